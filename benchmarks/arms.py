@@ -20,7 +20,7 @@ from topple.planner.planning.plan import plan
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper_file import ArmPart, Cup, Gripper, Hand
 from topple.robots.catalog import robot
-from topple.topology.errors import InvalidInput, NotInstalled, ToppleError
+from topple.topology.base.errors import InvalidInput, NotInstalled, ToppleError
 
 BARE = "pip install --no-deps franky-sim robosuite mani-skill"
 """Installs the packages whose files are read and whose code is not run."""

@@ -13,8 +13,8 @@ from topple.robots.poses import angle_between
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import ToppleError
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import ToppleError
 
 GAP = 2e-4
 """Gap [m] left between bodies as they are laid out; they settle onto each other."""

@@ -22,9 +22,9 @@ import numpy as np
 
 from topple.benchmarks.row import Progress, Row
 from topple.planner.stability.check import check
-from topple.topology.errors import InvalidInput
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
 
 SCALE = 0.1
 LARGE = 100

@@ -8,9 +8,9 @@ import numpy as np
 
 from topple.robots.world.bodies import GREY, Body
 from topple.robots.world.tolerances import FRICTION
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.mesh import Mesh
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.mesh import Mesh
 
 
 def body_from_files(folder: str | Path, name: str | None = None, *, friction: float = FRICTION) -> Body:

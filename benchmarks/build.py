@@ -42,10 +42,10 @@ from topple.planner.simulate.tolerances import SPEED, WATCHED
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.poses import angle_between
 from topple.robots.world.world import World
-from topple.topology.arrays import bounds
-from topple.topology.errors import ToppleError
-from topple.topology.situation import Situation
-from topple.topology.workers import Lost, mapped, opened
+from topple.topology.base.arrays import bounds
+from topple.topology.base.errors import ToppleError
+from topple.topology.base.workers import Lost, mapped, opened
+from topple.topology.situation.situation import Situation
 
 FIRST = 2_200_000
 ARRANGEMENTS = 200

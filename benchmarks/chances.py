@@ -19,11 +19,11 @@ from topple.benchmarks.truth.views import VIEWS, seen
 from topple.planner.cli.console import print_json
 from topple.planner.decide.chances import SIGNS, seen_by, signs
 from topple.planner.decide.disturbance import disturbances
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import ToppleError
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
-from topple.topology.workers import opened
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import ToppleError
+from topple.topology.base.workers import opened
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 LOOK = 1
 """Number of the look, whose noise no score is of."""

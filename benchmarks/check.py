@@ -22,10 +22,10 @@ from topple.robots import shapes
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.bodies import Body, joined
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
 
 FIRST_SEED = 930_000
 """Of the scenes; nothing else begins there."""

@@ -6,9 +6,9 @@ from topple.robots import shapes
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 NOISE = 0.0005
 """Standard deviation along each axis [m]: without it hulls of boxes have twelve facets."""

@@ -20,11 +20,11 @@ from topple.benchmarks.row import Progress, Row
 from topple.planner.execution.demo import loop_in
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import Scenario
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, joggled_sides
-from topple.topology.models import with_models
-from topple.topology.situation import Situation
+from topple.topology.io.known_models import with_models
+from topple.topology.situation.situation import Situation
 
 FIRST_SEED = 120_000
 """Of the scenes; nothing else begins there."""

@@ -15,11 +15,11 @@ from multiprocessing import get_context
 from topple.benchmarks.piles import Pile, make_pile, observe
 from topple.planner.cli.console import print_json
 from topple.robots.engine import pybullet
-from topple.topology.confidence import EDGES, Evidence, bin_of, view_of
-from topple.topology.pair import PairRelation
-from topple.topology.rule.inferred import FLOATS
-from topple.topology.rule.robust import inner_share
-from topple.topology.situation import Situation
+from topple.topology.relations.inferred import FLOATS
+from topple.topology.relations.robust import inner_share
+from topple.topology.situation.situation import Situation
+from topple.topology.sixim.confidence import EDGES, Evidence, bin_of, view_of
+from topple.topology.sixim.pair import PairRelation
 from topple.topology.sixim.table import Relation
 
 FIRST_PILE = 7_500_000

@@ -8,7 +8,7 @@ import numpy as np
 from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.rearranging.problem import Act, Pair, Problem
 from topple.planner.rearranging.steady import steadied
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight
 from topple.topology.statics.holding import deficits

@@ -18,8 +18,8 @@ from topple.benchmarks.scores import share_interval
 from topple.benchmarks.versions import commit_now
 from topple.planner.execution.demo_seeds import CAMERAS, SeedCount, document, text
 from topple.robots.scenarios import SCENARIOS
-from topple.topology.errors import DISTRIBUTION
-from topple.topology.files import check_writable, write_whole
+from topple.topology.base.errors import DISTRIBUTION
+from topple.topology.base.files import check_writable, write_whole
 
 SEEDS = 40
 EASY = 0.5  # share of what disturbs: a seed that stays below it is tried first as the one played by default

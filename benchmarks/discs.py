@@ -16,8 +16,8 @@ import numpy as np
 
 from topple.planner.rearranging.moves import Buffers, sequence
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
-from topple.topology.arrays import FloatArray, frozen
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.errors import InvalidInput
 
 SECONDS = 30.0
 """[s] after which the shortest sequence so far is taken."""

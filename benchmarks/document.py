@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from topple.benchmarks.row import Progress
-from topple.topology.errors import DISTRIBUTION, InvalidInput
+from topple.topology.base.errors import DISTRIBUTION, InvalidInput
 
 BENCHES = ("relate", "order", "build", "rearrange", "motion", "paper", "run", "demo")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""

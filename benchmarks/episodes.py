@@ -27,7 +27,7 @@ from topple.robots.scenarios import Scenario, scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.world import in_bullet
-from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.base.errors import InvalidInput, ToppleError
 
 FORMAT, FORMAT_VERSION = "topple.episode", 1
 """Of the lines of a journal."""

@@ -21,8 +21,8 @@ from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.rank import RankedGrasp, rank_grasps
 from topple.planner.grasp.suction import cup_shape
 from topple.robots.catalog import robot
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 
 COUNT = 5000
 SAMPLE, QUICK_SAMPLE = 250, 50  # of them that are held against every point

@@ -9,9 +9,9 @@ import numpy as np
 
 from topple.benchmarks.contrasts.nine import nine
 from topple.benchmarks.contrasts.support_tree import support_tree
-from topple.topology.arrays import FloatArray
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 NAIVE_DEVIATION = 0.003

@@ -8,7 +8,7 @@ from typing import Any
 from topple.benchmarks.episodes import FORMAT, Ending
 from topple.benchmarks.versions import code_key, commit_now
 from topple.planner.formats.json_lines import JsonLines
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 START = json.dumps({"format": FORMAT})[:-1]
 """How a line begins."""

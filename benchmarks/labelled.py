@@ -2,7 +2,7 @@
 
 The data are not part of the project: a folder with `rgbd/*.gt.json` beside its frames and
 `sequences/*.gt.json` beside its recordings. No tolerance was chosen on them: those of the default rule come
-from what a depth camera measures and from rendered piles (`topology/tolerances.py`).
+from what a depth camera measures and from rendered piles (`topology/base/tolerances.py`).
 """
 
 import json
@@ -13,7 +13,7 @@ from typing import Any
 
 from topple.benchmarks.row import Progress, Row
 from topple.topology.io import load_scene, load_sequence
-from topple.topology.relations import Relations, relate
+from topple.topology.relations.relate import Relations, relate
 from topple.topology.sixim.table import Relation
 
 FIRST_FRAME = 2

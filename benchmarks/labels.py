@@ -11,7 +11,7 @@ import networkx as nx
 import numpy as np
 
 from topple.benchmarks.scores import Labels
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.io.archive import read_arrays
 from topple.topology.io.clouds import names_in
 from topple.topology.io.limits import check_size

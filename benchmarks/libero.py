@@ -27,7 +27,7 @@ from topple.planner.simulate.tolerances import STAYS, STAYS_TURNED
 from topple.planner.stability.check import StabilityCheck, check
 from topple.planner.stability.verdicts import Verdict
 from topple.planner.tolerances import DISTURBED, TURNED
-from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.base.errors import InvalidInput, ToppleError
 from topple.topology.io.load import load_scene
 
 SAMPLED = 13

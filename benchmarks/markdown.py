@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 _MARKS = "<!-- table of topple bench {} -->", "<!-- end of table -->"
 

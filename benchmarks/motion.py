@@ -25,7 +25,7 @@ from topple.planner.motion.planner import Motion, plan_motion
 from topple.planner.motion.shortcut import densely, length
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 FCL = "python-fcl, one state at a time"
 OMPL = "OMPL RRTConnect + python-fcl, one state at a time"

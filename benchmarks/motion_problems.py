@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)

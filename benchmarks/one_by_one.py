@@ -9,7 +9,7 @@ from topple.planner.motion.model import CollisionModel
 from topple.planner.motion.ompl_search import state_of, state_space, values_of
 from topple.planner.motion.tolerances import RANGE
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 
 RESOLUTION = 0.08  # [rad] Euclidean between checked states: about 0.05 rad in the joint that moves most
 

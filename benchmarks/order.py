@@ -47,7 +47,7 @@ from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import Score, f1_interval, score, share_interval
 from topple.planner.planning.next_view import next_view
 from topple.planner.planning.order import order
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 FIRST_PILE = 7_200_000
 """Seed of the first pile; those of other collections of piles are far below."""

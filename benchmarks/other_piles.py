@@ -20,8 +20,8 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, se
 from topple.robots.shapes.vessel import circle, rings, sectors
 from topple.robots.world.bodies import Body, Color
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 
 NAME = "other pile"
 LONGEST = 0.26  # [m] of a model: longer ones reach out of the cameras' view

@@ -12,8 +12,8 @@ from topple.robots import shapes
 from topple.robots.engine import pybullet
 from topple.robots.world.bodies import Body
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 
 NOISE = 0.001
 """Standard deviation of a depth camera's noise at arm's length [m]."""

@@ -10,9 +10,9 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.suction import CupShape
 from topple.planner.grasp.tolerances import ASIDE, GRASP_TOLERANCES, PAST_PADS
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 def held(grasp: Grasp, scene: Scene, hand: HandShape) -> str:

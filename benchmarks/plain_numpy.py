@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 
 BLOCK = 20_000
 """Points whose facet distances are computed at once, so that the table fits into memory."""

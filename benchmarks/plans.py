@@ -26,9 +26,9 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import in_bullet
-from topple.topology.errors import ToppleError
-from topple.topology.scene import Scene
-from topple.topology.workers import Lost, mapped, opened
+from topple.topology.base.errors import ToppleError
+from topple.topology.base.workers import Lost, mapped, opened
+from topple.topology.scene.scene import Scene
 
 REARRANGED: tuple[str, ...] = ("set-table", "restack", "pack", "swap")
 """Scenes in which things are put as they lie in another one."""

@@ -17,8 +17,8 @@ from topple.planner.decide.dependency import dependencies
 from topple.planner.decide.disturbance import Pair
 from topple.planner.decide.rates import standing
 from topple.planner.simulate.votes import Votes, ask
-from topple.topology.arrays import FloatArray
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.situation.situation import Situation
 
 FIRST_PILE = 7_300_000
 """Seed of the first pile; every other one follows, those between are for trying things out."""

@@ -39,7 +39,7 @@ from topple.robots.poses import angle_between
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 SIDE = 0.6
 """Edge of a published cube, in its unit."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from topple.benchmarks.labels import read_truth
 from topple.benchmarks.scores import Labels
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.load import load_scene
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 UNIT = 1e-4
 """Length [m] of one step of the stored clouds."""

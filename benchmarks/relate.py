@@ -33,11 +33,11 @@ from topple.benchmarks.clock import cpu_medians
 from topple.benchmarks.clouds import crowd, frame, household
 from topple.benchmarks.plain_numpy import plain_numpy
 from topple.benchmarks.row import Progress, Row, faster, longer
-from topple.topology.image import DepthImage
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.base.tolerances import TOLERANCES
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import classify
-from topple.topology.tolerances import TOLERANCES
+from topple.topology.views.image import DepthImage
 
 NUMPY = "plain numpy"
 QHULL = "Qhull alone"

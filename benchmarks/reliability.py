@@ -15,8 +15,8 @@ from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.sabotages.caught import CASES, catch
 from topple.benchmarks.scores import share_interval
 from topple.benchmarks.soak import side_by_side, soaked
-from topple.topology.errors import InvalidInput
-from topple.topology.workers import all_of, opened
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.workers import all_of, opened
 
 INPUTS = 100_000  # broken files, shared out among the readers
 QUICK_INPUTS = 2000

@@ -10,9 +10,9 @@ from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.planning.step import Orderer
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 RULES = ("nearest first", "top height first", "plain 6IM + height")
 """Names of the rules."""

@@ -39,8 +39,8 @@ from topple.benchmarks.rules import RULES
 from topple.benchmarks.scores import DRAWS, share_interval
 from topple.benchmarks.series import BESIDE, FULL, QUICK, Series
 from topple.planner.fallbacks import FALLBACKS
-from topple.topology.errors import InvalidInput
-from topple.topology.workers import Lost, mapped, opened
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.workers import Lost, mapped, opened
 
 JOURNAL = Path("topple-bench-run.jsonl")
 LEAST_THIRD = 5  # episodes: with fewer in a third a process's memory says nothing

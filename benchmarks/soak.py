@@ -17,8 +17,8 @@ from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.robots.catalog import robot
 from topple.robots.engine import pybullet
-from topple.topology.scene import Scene
-from topple.topology.workers import WorkerPool
+from topple.topology.base.workers import WorkerPool
+from topple.topology.scene.scene import Scene
 
 PLANS = 10  # orders and worlds for each plan, which takes as long as ten of them
 CLIENTS = 64  # numbers of simulations that are looked at

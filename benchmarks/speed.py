@@ -46,10 +46,10 @@ from topple.benchmarks.clouds import brick_wall, frame, household, stacks_of_fou
 from topple.benchmarks.row import Progress, Row, faster, longer
 from topple.benchmarks.versions import of_commit
 from topple.planner.planning.order import order
-from topple.topology.errors import InvalidInput, NotInstalled
-from topple.topology.relations import relate, relate_all
-from topple.topology.scene import Scene
-from topple.topology.workers import WorkerPool
+from topple.topology.base.errors import InvalidInput, NotInstalled
+from topple.topology.base.workers import WorkerPool
+from topple.topology.relations.relate import relate, relate_all
+from topple.topology.scene.scene import Scene
 
 NOT_SLOWER = ">= 0.9x"
 """Of what a commit before takes: figures of one run differ by a few percent."""

@@ -19,8 +19,8 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.suction import CupShape, cup_shape
 from topple.planner.planning.plan import plan
 from topple.robots.catalog import names, robot
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 
 POINTS, TABLE_POINTS = 1500, 20000
 """On each part, and on a table of 1.2 x 1.2 m."""

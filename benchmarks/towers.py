@@ -22,11 +22,11 @@ from scipy.spatial.transform import Rotation
 from topple.benchmarks.row import Progress, Row
 from topple.planner.stability.check import check
 from topple.robots.collision.convex import hull_of
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import read_bytes
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
 
 FILES = ("learning/data/random_blocks_(x2000).pkl", "learning/data/10block_set_(x1000).pkl")
 SAMPLED = 25

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 LAYERS = ("topology", "robots", "planner")
 FRONT = "planner/topple.py"

@@ -20,7 +20,7 @@ from topple.planner.simulate.lift import Move
 from topple.planner.simulate.lifts import set_friction, take_away
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 LIFTED = (0.95, 0.5, 0.1, 1.0)
 ASKED = (0.15, 0.4, 0.85, 1.0)

@@ -12,7 +12,7 @@ from typing import ParamSpec, TypeVar
 
 import numpy as np
 
-from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.base.errors import InvalidInput, ToppleError
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")

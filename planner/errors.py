@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from topple.topology.errors import ToppleError
+from topple.topology.base.errors import ToppleError
 
 if TYPE_CHECKING:
     from topple.planner.failure import TransferFailure

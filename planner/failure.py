@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
-from topple.topology.values import Word
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.values import Word
 
 STEPS = ("grasp", "approach", "lift", "place", "retreat", "transfer", "move")
 """In the order in which a search looks at them: what fails later got further."""

@@ -8,7 +8,7 @@ nothing there has to go.
 
 from dataclasses import dataclass
 
-from topple.topology.values import Word
+from topple.topology.base.values import Word
 
 
 class Fallback(Word):

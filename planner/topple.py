@@ -10,7 +10,7 @@ from importlib.metadata import version
 from sys import modules
 from typing import TYPE_CHECKING, Any
 
-from topple.topology.lazy_names import lazy_names
+from topple.topology.base.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from topple.planner import (
@@ -82,7 +82,7 @@ _find, __dir__ = lazy_names(
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name == "__version__":
-        from topple.topology.errors import DISTRIBUTION
+        from topple.topology.base.errors import DISTRIBUTION
 
         return version(DISTRIBUTION)
     return _find(name)

@@ -11,7 +11,7 @@ import sys
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from topple.topology.errors import NotInstalled
+from topple.topology.base.errors import NotInstalled
 
 if TYPE_CHECKING:
     import pybullet

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arrays import FloatArray, rounded
+from topple.topology.base.arrays import FloatArray, rounded
 
 
 def pose_from(position: Sequence[float], quaternion: Sequence[float]) -> FloatArray:

@@ -8,7 +8,7 @@ from topple.robots.engines import arm_in
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 FLAT = 0.0065  # [m] height of a plate's inside, see `shapes.plate`
 RAMP = 30  # steps until a load is whole: a load put on at once would be a knock

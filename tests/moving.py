@@ -3,7 +3,7 @@
 import numpy as np
 
 from topple.robots.world.simulated_arm import SimulatedArm
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 FLIP = np.diag([1.0, -1.0, -1.0, 1.0])  # a tool that points down
 

@@ -5,8 +5,8 @@ from scipy.spatial.transform import Rotation
 
 from topple.robots.shapes import box
 from topple.robots.world.bodies import Body
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 
 BASE = np.eye(4)
 BASE[0, 3] = -0.5  # where an arm stands that reaches what is about the origin

@@ -11,7 +11,7 @@ from packaging.requirements import Requirement
 
 import topple.planner
 import topple.robots
-from topple.topology.errors import DISTRIBUTION, InvalidInput, NotInstalled
+from topple.topology.base.errors import DISTRIBUTION, InvalidInput, NotInstalled
 from topple.topology.kernels.compiled import path_in_words
 
 ROOT = Path(__file__).resolve().parents[1]

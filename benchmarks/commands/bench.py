@@ -14,8 +14,8 @@ from topple.planner.cli.console import complain, print_json, print_table, print_
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import executor_at
 from topple.planner.cli.progress import Progress
-from topple.topology.errors import InvalidInput
-from topple.topology.files import check_writable, make_folder, write_whole
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.files import check_writable, make_folder, write_whole
 
 MISSED = 1
 """Exit code where a figure misses its bar."""

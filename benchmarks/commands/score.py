@@ -16,12 +16,12 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.many import for_each_scene
 from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.planner.planning.step import Orderer
-    from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
+    from topple.topology.relations.relate import Relations
+    from topple.topology.scene.scene import Scene
 
 FORMAT, FORMAT_VERSION = "topple.score", 1
 

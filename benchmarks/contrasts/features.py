@@ -11,15 +11,15 @@ from itertools import combinations
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.tolerances import NEIGHBOURS
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import thinned
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import local_normals
-from topple.topology.tolerances import NEIGHBOURS
 
 REACH = 0.008
 """Distance [m] of points that may belong to a contact: spacing and noise of a depth camera, twice over."""

@@ -12,12 +12,12 @@ from itertools import combinations
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import parts_of, solids_of
-from topple.topology.cloud import estimate_deviation
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.samples import sampled
-from topple.topology.scene import Scene
+from topple.topology.scene.cloud import estimate_deviation
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 SURFACE_SPACING = 0.004

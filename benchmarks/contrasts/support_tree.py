@@ -10,7 +10,7 @@ import networkx as nx
 
 from topple.benchmarks.contrasts.features import support_features
 from topple.topology.bodies.solids import up_of
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 

@@ -10,7 +10,7 @@ from topple.robots.arm.gripper import ToolState
 from topple.robots.driver import Motion
 from topple.robots.engine import pybullet
 from topple.robots.world.simulated_arm import SimulatedArm
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 PUSHED = 0.02  # [m] that the hand is pushed aside
 PUSH = 1000.0  # [N] that the push grows to at most: motors give way to a third of that

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.image import DepthImage
+from topple.topology.views.image import DepthImage
 
 
 class Eye(Protocol):

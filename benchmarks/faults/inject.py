@@ -29,7 +29,7 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.scenarios.scenario import Scenario
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import in_bullet
-from topple.topology.errors import ToppleError
+from topple.topology.base.errors import ToppleError
 
 Eyes = Callable[[Scenario, np.random.Generator], list[Eye]]
 Driving = Callable[[SimulatedArm, np.random.Generator], Through]

@@ -19,7 +19,7 @@ import numpy as np
 
 from topple.benchmarks.fuzz.mutate import mutated
 from topple.benchmarks.fuzz.reader import KINDS, SECRET, Parts, Reader, misplaced
-from topple.topology.errors import ToppleError
+from topple.topology.base.errors import ToppleError
 
 SECONDS = 5.0
 """What reading a small file may take."""

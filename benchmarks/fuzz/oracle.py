@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 LARGEST = 20.0  # [m] of one object: what is longer is in another unit
 FARTHEST = 1e8  # [m]

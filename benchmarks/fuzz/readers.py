@@ -33,8 +33,8 @@ from topple.robots.arm.gripper_file import read_gripper
 from topple.robots.arm.urdf import Model, read_urdf
 from topple.topology.io.limits import read_bytes
 from topple.topology.io.strict_json import read_json
-from topple.topology.relations import Relations, relate
-from topple.topology.scene import Scene
+from topple.topology.relations.relate import Relations, relate
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 _POSE = np.eye(4).tolist()

@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.benchmarks.fuzz.oracle import wrong_scene
 from topple.benchmarks.fuzz.reader import Parts, Reader
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.io import load_scene
 
 _TYPE, _TOPIC = "sensor_msgs/msg/PointCloud2", "/cloud"

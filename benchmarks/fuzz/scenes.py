@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from topple.benchmarks.fuzz.oracle import wrong_arrays, wrong_numbers, wrong_pixels, wrong_scene
 from topple.benchmarks.fuzz.reader import Parts, Reader
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.io import load_scene, load_sequence
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 _CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * 0.08
 _FACES = ((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6))

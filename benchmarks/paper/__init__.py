@@ -27,8 +27,8 @@ from topple.benchmarks.paper.summary import report
 from topple.benchmarks.paper.things import Things
 from topple.benchmarks.paper.truth import SCENES
 from topple.benchmarks.row import Progress
-from topple.topology.errors import InvalidInput
-from topple.topology.workers import all_of, opened
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.workers import all_of, opened
 
 VARIANTS = 10
 """Jittered variants of every scene."""

@@ -23,7 +23,7 @@ from topple.benchmarks.paper.looks import FEW, WHOLE, look, looks_at
 from topple.benchmarks.paper.stage import staged
 from topple.benchmarks.paper.things import Things
 from topple.benchmarks.paper.truth import SCENES, Listed
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 SCORED = 14_000

@@ -11,12 +11,12 @@ import numpy as np
 
 from topple.benchmarks.contrasts.features import support_features
 from topple.benchmarks.contrasts.nine import nine
-from topple.topology.arrays import FloatArray
-from topple.topology.cloud import clean, estimate_deviation
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.tolerances import TOLERANCES
+from topple.topology.relations.relate import relate
+from topple.topology.scene.cloud import clean, estimate_deviation
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation, classify
-from topple.topology.tolerances import TOLERANCES
 
 Answer = Mapping[tuple[str, str], Relation]
 """Relation of every ordered pair (a, b) the method knows: "a relation b"."""

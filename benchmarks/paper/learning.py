@@ -17,9 +17,9 @@ import numpy as np
 from topple.benchmarks.paper.stage import CONTACT, STICKS_OUT, gap
 from topple.benchmarks.piles import Pile, make_pile, observe
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.errors import NotInstalled
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.errors import NotInstalled
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 FIRST_PILE = 7_900_000

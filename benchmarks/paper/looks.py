@@ -8,10 +8,10 @@ from topple.benchmarks.paper.rgbd_layouts import WALLS
 from topple.benchmarks.paper.truth import RGBD, SCENES
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
-from topple.topology.values import FrozenDict
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.values import FrozenDict
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 POINTS = 10_000
 """Points of a whole surface: one every 2 mm to 4 mm."""

@@ -14,7 +14,7 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import bar, box, can, cup, tray
 from topple.robots.world.bodies import Color
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 Size = tuple[float, float, float]
 

@@ -15,7 +15,7 @@ from topple.benchmarks.paper.truth import SCENES, PaperScene
 from topple.robots.engine import pybullet
 from topple.robots.scenarios.scenario import Unlucky
 from topple.robots.world.world import World
-from topple.topology.errors import ToppleError
+from topple.topology.base.errors import ToppleError
 from topple.topology.sixim.table import Relation
 
 Layout = Callable[[World, np.random.Generator, Things], None]

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
+from topple.topology.base.values import FrozenDict
 from topple.topology.sixim.table import Relation
-from topple.topology.values import FrozenDict
 
 TOUCH, WITHIN, PARTIAL = Relation.TOUCH, Relation.WITHIN, Relation.PARTIAL_WITHIN
 

@@ -11,7 +11,7 @@ from topple.benchmarks.paper.things import Things
 from topple.robots.scenarios.scenario import Unlucky, pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 DROP = 0.0005
 """Gap [m] that is left below what is put down."""

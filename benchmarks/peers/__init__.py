@@ -17,8 +17,8 @@ import numpy as np
 
 from topple.benchmarks.motion_problems import Problem
 from topple.benchmarks.peers.handover import handed_over
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import ToppleError
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import ToppleError
 
 PEERS = {"pybullet-planning": "pybullet_planning_peer.py", "mplib": "mplib_peer.py"}
 """Scripts by the name of the package that each drives."""

@@ -13,7 +13,7 @@ from topple.benchmarks.motion_problems import Problem
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.convex import hull_of
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def handed_over(folder: Path, problems: Sequence[Problem], seed: int, budget: float) -> None:

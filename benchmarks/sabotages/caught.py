@@ -15,10 +15,10 @@ from topple.robots.shapes.boxes import box
 from topple.robots.shapes.fruit import lemon
 from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 BASE = np.eye(4)
 BASE[0, 3] = -0.5  # [m] an arm there reaches everything

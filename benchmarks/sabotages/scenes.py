@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 def another_up(scene: Scene, _target: str) -> Scene:

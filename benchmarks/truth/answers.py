@@ -16,7 +16,7 @@ from topple.benchmarks.row import Progress
 from topple.benchmarks.truth import asked
 from topple.benchmarks.versions import Version
 from topple.planner.formats.json_lines import JsonLines
-from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.base.errors import InvalidInput, ToppleError
 
 PROCESSES = 2
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from topple.benchmarks.row import Row
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 
 FAR, NEAR = 8, 4
 """[pixel] from a border, between which the surfaces to both sides are seen; they go on straight up to it."""

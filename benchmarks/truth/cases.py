@@ -24,8 +24,8 @@ from topple.benchmarks.truth.pool import SETS, PoolScene
 from topple.benchmarks.truth.resting import TABLE as NARROW
 from topple.benchmarks.truth.views import VIEWS
 from topple.robots.world import camera
-from topple.topology.errors import InvalidInput
-from topple.topology.workers import opened
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.workers import opened
 
 FEW = 20
 """Scenes of each set that every run has: the quick run, and all jitter."""

@@ -11,7 +11,7 @@ from topple.benchmarks.truth.resting import GAP, Lay, Layout, RestingScene, of_a
 from topple.robots import shapes
 from topple.robots.shapes.vessel import circle, rings, sectors
 from topple.robots.world.bodies import Body
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 Size = tuple[float, float, float]
 

@@ -10,7 +10,7 @@ import msgspec
 
 from topple.benchmarks.row import Row
 from topple.benchmarks.truth.counts import FIGURES
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 POOL = "pool"
 """All generators of the pool together."""

@@ -51,9 +51,9 @@ from topple.benchmarks.truth.mask_faults import INACCURATE, WRONG
 from topple.benchmarks.truth.pool import SETS
 from topple.benchmarks.truth.views import VIEWS
 from topple.benchmarks.versions import Version, commit_now, of_commit, today
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.files import write_whole
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.files import write_whole
 
 FOLDER = Path(".truth")
 FLOORS = Path(__file__).parents[1] / "truth.json"

@@ -11,8 +11,8 @@ from topple.benchmarks.truth.resting import RestingScene
 from topple.robots.engine import pybullet
 from topple.robots.world.bodies import spread_over
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.mesh import Mesh
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.mesh import Mesh
 
 RelationLabels = Mapping[tuple[str, str], str]
 """(a, b) -> "a relation b"."""

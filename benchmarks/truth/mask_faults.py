@@ -8,7 +8,7 @@ import numpy as np
 from scipy import ndimage
 
 from topple.robots.world.camera import ragged
-from topple.topology.arrays import BoolArray, IntArray
+from topple.topology.base.arrays import BoolArray, IntArray
 
 INACCURATE = tuple(
     f"{how} {pixels}" for how, pixels in product(("shifted", "dilated", "eroded", "ragged"), (1, 2, 3))

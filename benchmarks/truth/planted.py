@@ -20,7 +20,7 @@ from topple.benchmarks.truth.gate import FLOORS, FOLDER, broken
 from topple.benchmarks.truth.views import VIEWS
 from topple.benchmarks.versions import Version, code_key, today
 from topple.planner.cli.console import print_text
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def planted(changes: Sequence[Change], version: Version, cache: Path) -> Version
 _CONTACT = "topology/statics/contact.py"
 _SWEEP = "topology/statics/sweep.py"
 _DEPENDENCY = "planner/decide/dependency.py"
-_ROBUST = "topology/rule/robust.py"
+_ROBUST = "topology/relations/robust.py"
 
 CHANGES = (
     Change(

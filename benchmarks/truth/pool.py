@@ -29,9 +29,9 @@ from topple.planner.cli.console import print_text
 from topple.planner.simulate.lifts import set_friction
 from topple.robots.poses import pose_from
 from topple.robots.world.bodies import Body
-from topple.topology.errors import InvalidInput, ToppleError
-from topple.topology.files import write_whole
-from topple.topology.workers import WorkerPool
+from topple.topology.base.errors import InvalidInput, ToppleError
+from topple.topology.base.files import write_whole
+from topple.topology.base.workers import WorkerPool
 
 FILE = Path(__file__).with_name("pool.npz")
 UNIT = 2e-5  # [m] of the corners in the file: a fiftieth of a camera's noise

@@ -13,8 +13,8 @@ from topple.robots.poses import angle_between
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import Physics
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import ToppleError
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import ToppleError
 
 TABLE = (0.8, 0.8)  # [m]
 PHYSICS = Physics(iterations=150)

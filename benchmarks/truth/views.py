@@ -11,8 +11,8 @@ from topple.benchmarks.piles import CAMERAS
 from topple.benchmarks.truth.geometry import surface
 from topple.benchmarks.truth.resting import TABLE, RestingScene
 from topple.robots.world.camera import Camera, Noise
-from topple.topology.arrays import FloatArray
-from topple.topology.files import write_whole
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.files import write_whole
 
 VIEWS = {"whole": 0, "1 camera": 1, "3 cameras": 3}
 """Words -> how many cameras look; none for whole surfaces."""

@@ -19,7 +19,7 @@ from topple.planner.report.drawing import Drawing
 from topple.planner.report.raster import Projection, render_clouds
 from topple.robots.scenarios import scenario_called
 from topple.topology import Scene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.equilibrium import balance
 from topple.topology.statics.tolerances import DENSITY
 

@@ -12,7 +12,7 @@ from topple.planner.decide.arrange import Apart, TakeApart
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.disturbance import fallen_without
 from topple.planner.decide.hold import Hold, hands_for
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.rest import Statics
 
 

@@ -15,18 +15,18 @@ from topple.planner.decide.arrange import Order
 from topple.planner.decide.assumptions import assumptions
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, reasoned
 from topple.planner.decide.hold import Hold
-from topple.topology.arguments import checked_arguments
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import FrozenDict
 from topple.topology.io.load import AnyScene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.statics.tolerances import UNSTEADY
-from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
-    from topple.topology.relations import Relations
+    from topple.topology.relations.relate import Relations
 
 
 class Footing(Dependency):

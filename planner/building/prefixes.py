@@ -13,7 +13,7 @@ import networkx as nx
 import numpy as np
 
 from topple.planner.building.tolerances import MOST_STATES
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 Names = frozenset[str]
 

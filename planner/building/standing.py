@@ -7,12 +7,12 @@ import networkx as nx
 
 from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.building.tolerances import OFF_CENTRE
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.equilibrium import Weight
 from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
-from topple.topology.values import FrozenDict
 
 
 def falling_in(statics: Statics) -> Falling:

@@ -12,7 +12,7 @@ from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
 from topple.planner.cli.options import Reading, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
-from topple.topology.files import check_writable, write_whole
+from topple.topology.base.files import check_writable, write_whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,7 +55,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _document(reading: Reading, margins: bool, played: bool, drawn: Path | None, path: str) -> dict[str, Any]:
     from topple.planner.stability.check import check
-    from topple.topology.situation import Situation
+    from topple.topology.situation.situation import Situation
 
     situation = Situation.of(reading.scene(path))
     found = check(situation, margins=margins)

@@ -7,8 +7,8 @@ from topple.planner.cli.arguments import COMMON, add
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import read_plan
-from topple.topology.errors import InvalidInput
-from topple.topology.files import check_writable, write_whole
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.files import check_writable, write_whole
 
 _PDDL_FILES = ("domain.pddl", "problem.pddl")
 

@@ -92,7 +92,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong, what was meant and where to read on, and leave with exit code 2."""
-        from topple.topology.errors import suggestion
+        from topple.topology.base.errors import suggestion
 
         wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
         if wrong:
@@ -102,7 +102,7 @@ class Parser(argparse.ArgumentParser):
 
     def refuse(self, unknown: Sequence[str]) -> NoReturn:
         """Leave because of arguments that it does not have."""
-        from topple.topology.errors import suggestion
+        from topple.topology.base.errors import suggestion
 
         options = [flag for action in self._actions for flag in action.option_strings]  # pyright: ignore[reportPrivateUsage]
         meant = suggestion(unknown[0].partition("=")[0], options) if unknown[0].startswith("--") else ""
@@ -128,7 +128,7 @@ class ShowVersion(argparse.Action):
         """Print the version and leave."""
         from importlib.metadata import version
 
-        from topple.topology.errors import DISTRIBUTION
+        from topple.topology.base.errors import DISTRIBUTION
         from topple.topology.kernels.compiled import path_in_words
 
         sys.stdout.write(f"topple {version(DISTRIBUTION)}, {path_in_words()}\n")
@@ -208,7 +208,7 @@ def _run(arguments: list[str]) -> int:
     if args.command is None:
         parser.error(f"no command given; choose from {', '.join(COMMANDS)}")
     command = _module(args.command)
-    from topple.topology.errors import InvalidInput, ToppleError
+    from topple.topology.base.errors import InvalidInput, ToppleError
 
     args.parser = commands[args.command]
     logging.basicConfig(format="topple: %(message)s")  # warnings: of plugins that are left out

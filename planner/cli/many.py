@@ -15,8 +15,8 @@ from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.json_lines import JsonLines
-from topple.topology.errors import InvalidInput, NotInstalled
-from topple.topology.workers import Lost, WorkerPool, mapped
+from topple.topology.base.errors import InvalidInput, NotInstalled
+from topple.topology.base.workers import Lost, WorkerPool, mapped
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor

@@ -14,9 +14,9 @@ from topple.planner.cli.robot_options import seen_robot
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
     from topple.planner.planning.step import Orderer, Task
-    from topple.topology.arrays import FloatArray
-    from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
+    from topple.topology.base.arrays import FloatArray
+    from topple.topology.relations.relate import Relations
+    from topple.topology.scene.scene import Scene
 
 _SCENE_SUFFIXES = (".npz", ".npy")
 _OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "labels", "view")  # of one format each
@@ -31,7 +31,7 @@ def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
     """
     if args.rule is None:
         return None
-    from topple.topology.relations import RULES, relate
+    from topple.topology.relations.relate import RULES, relate
 
     _ = RULES[args.rule]  # refused before anything is read
     return partial(relate, rule=args.rule)
@@ -168,7 +168,7 @@ def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
         InvalidInput: It is empty, or cannot be read.
     """
     from topple.planner.rearranging.words import is_words
-    from topple.topology.errors import InvalidInput
+    from topple.topology.base.errors import InvalidInput
     from topple.topology.io.limits import read_bytes
     from topple.topology.io.strict_json import read_json
 

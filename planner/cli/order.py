@@ -33,9 +33,9 @@ from topple.planner.cli.tables import (
 
 if TYPE_CHECKING:
     from topple.planner.planning.step import Orderer
-    from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
-    from topple.topology.situation import Situation
+    from topple.topology.relations.relate import Relations
+    from topple.topology.scene.scene import Scene
+    from topple.topology.situation.situation import Situation
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -101,7 +101,7 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error(f"{others} are about topple's own order: leave out --orderer")
     orderer, relating = orderer_of(args), rule_of(args)
     if args.max_objects is not None:
-        from topple.topology.relations import relate
+        from topple.topology.relations.relate import relate
 
         relating = partial(relating or relate, most_objects=args.max_objects)
     arm = arm_of(args) if args.robot else None
@@ -145,7 +145,7 @@ def _answer(
     reading: Reading, relating: "Callable[[Scene], Relations] | None", ask: _Ask, path: str
 ) -> _Answer:
     """What is asked of a scene file."""
-    from topple.topology.situation import Situation
+    from topple.topology.situation.situation import Situation
 
     scene = reading.scene(path)
     answer = ask(Situation.of(scene, None if relating is None else relating(scene)))

@@ -13,7 +13,7 @@ from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of,
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of, away_of, base_of, output_of
 from topple.planner.cli.tables import print_assumptions
-from topple.topology.files import write_whole
+from topple.topology.base.files import write_whole
 
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan

@@ -15,14 +15,14 @@ from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_pa
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of, base_of
 from topple.planner.cli.tables import print_assumptions
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput, UnknownObject
 
 if TYPE_CHECKING:
     from topple.planner.decide.dependency import DependencyGraph
     from topple.planner.grasp.foreign import ForeignGrasps
     from topple.planner.grasp.rank import RankedGrasp
     from topple.robots.arm.arm import Arm
-    from topple.topology.scene import Scene
+    from topple.topology.scene.scene import Scene
 
 PIPE = "-"
 """Names standard input."""

@@ -53,7 +53,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: str) -> dict[str, Any]:
     """The relations of a scene file, and what was assumed."""
-    from topple.topology.relations import relate
+    from topple.topology.relations.relate import relate
 
     scene = reading.scene(path)
     relations = relate(scene, **options)

@@ -9,7 +9,7 @@ from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import output_of, robot_of
-from topple.topology.files import write_whole
+from topple.topology.base.files import write_whole
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm

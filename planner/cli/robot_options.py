@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from topple.topology.errors import InvalidInput
-from topple.topology.files import check_writable
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.files import check_writable
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from topple.planner.placement.away import Destination
     from topple.robots.arm.arm import Arm
-    from topple.topology.arrays import FloatArray
-    from topple.topology.scene import Scene
+    from topple.topology.base.arrays import FloatArray
+    from topple.topology.scene.scene import Scene
 
 
 def arm_of(args: argparse.Namespace) -> "Arm":

@@ -11,10 +11,10 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions
-from topple.topology.files import check_writable
+from topple.topology.base.files import check_writable
 
 if TYPE_CHECKING:
-    from topple.topology.scene import Scene
+    from topple.topology.scene.scene import Scene
 
 SPACING, TABLE_SPACING = 0.002, 0.008
 """[m] between the points that are written of an object, and of the table, which is flat and large."""
@@ -65,7 +65,7 @@ def _write(place: Any, scene: "Scene") -> None:
     """The scene as an `.npz` of clouds, thinned."""
     import io
 
-    from topple.topology.files import write_whole
+    from topple.topology.base.files import write_whole
     from topple.topology.geometry.thin import thinned
 
     clouds: dict[str, Any] = {

@@ -10,13 +10,13 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
-from topple.topology.errors import InvalidInput
-from topple.topology.files import check_writable, write_whole
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.files import check_writable, write_whole
 
 if TYPE_CHECKING:
     from topple.planner.decide.arrange import Order
-    from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
+    from topple.topology.relations.relate import Relations
+    from topple.topology.scene.scene import Scene
 
 _KINDS = (".html", ".png", ".gif", ".svg")
 _OF_ORDERS = (".gif", ".svg")
@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Draw the scene's clouds, hulls, relations and, where up is known, its order."""
-    from topple.topology.relations import relate
+    from topple.topology.relations.relate import relate
 
     (path,) = scene_paths(args, many=False)
     place = _output(args.output, path)

@@ -5,10 +5,10 @@ from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import print_table, print_text
-from topple.topology.rounded import rounded
+from topple.topology.base.rounded import rounded
 
 if TYPE_CHECKING:
-    from topple.topology.scene import Scene
+    from topple.topology.scene.scene import Scene
 
 Document = Mapping[str, Any]
 

@@ -12,11 +12,11 @@ import numpy as np
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.hold import Hold
 from topple.planner.decide.sequence import safest
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.notebook import in_cell
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.notebook import in_cell
+from topple.topology.base.values import ByValue, FrozenDict
 from topple.topology.statics.support import Support
-from topple.topology.values import ByValue, FrozenDict
 
 
 @dataclass(frozen=True)

@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.planner.decide.tolerances import BELOW, DEEP, LEAST, SHARE, SUNK
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.base.arrays import FloatArray, bounds
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.geometry.broadphase import near_both_ways
 from topple.topology.geometry.sides import beyond, sides_of
-from topple.topology.scene_tolerances import FRICTION
+from topple.topology.scene.tolerances import FRICTION
 from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.rest import Statics, volume_around
 from topple.topology.statics.tolerances import DENSEST, DENSITY
 
 if TYPE_CHECKING:
-    from topple.topology.scene import Scene
+    from topple.topology.scene.scene import Scene
 
 
 def assumptions(scene: "Scene", statics: Statics) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from statistics import fmean
 
 from topple.planner.decide.disturbance import Pair
-from topple.topology.values import ByValue
+from topple.topology.base.values import ByValue
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,9 @@ from scipy.special import expit
 
 from topple.planner.decide.disturbance import Disturbance, Pair
 from topple.planner.decide.tolerances import HOLD_EACH_OTHER, RESTS
-from topple.topology.arrays import FloatArray
-from topple.topology.confidence import view_of
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.sixim.confidence import view_of
 from topple.topology.statics.sweep import Overlap
 
 SIGNS = (

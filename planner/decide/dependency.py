@@ -18,17 +18,17 @@ from topple.planner.decide.disturbance import (
 )
 from topple.planner.decide.rates import overlooked
 from topple.planner.decide.tolerances import COUNTS, PRESSED, RESTS
-from topple.topology.arguments import checked_arguments
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.evidence import Evidence
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.values import ByValue, Word
 from topple.topology.io.load import AnyScene
-from topple.topology.situation import Situation
+from topple.topology.situation.evidence import Evidence
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
-from topple.topology.values import ByValue, Word
 
 if TYPE_CHECKING:
-    from topple.topology.relations import Relations
+    from topple.topology.relations.relate import Relations
 
 
 class Reason(Word):

@@ -10,9 +10,9 @@ import numpy as np
 
 from topple.planner.decide.tolerances import BOARD, PRESSED
 from topple.planner.tolerances import DISTURBED
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.base.arrays import FloatArray, bounds
 from topple.topology.geometry.broadphase import near_both_ways
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap, overlap
 from topple.topology.statics.tolerances import GUESSED, SWEEP_CELL

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import networkx as nx
 
 from topple.planner.errors import NoSafePlan
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.values import Word
 from topple.topology.sixim.table import Relation
-from topple.topology.values import Word
 
 if TYPE_CHECKING:
-    from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
+    from topple.topology.relations.relate import Relations
+    from topple.topology.scene.scene import Scene
     from topple.topology.statics.support import Support
 
 BIN = "bin_"

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from topple.topology.evidence import Evidence
+from topple.topology.situation.evidence import Evidence
 
 
 @dataclass(frozen=True)

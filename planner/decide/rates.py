@@ -23,7 +23,7 @@ import networkx as nx
 
 from topple.planner.decide.disturbance import Pair
 from topple.planner.decide.tolerances import CERTAIN, MEETING
-from topple.topology.confidence import view_of
+from topple.topology.sixim.confidence import view_of
 from topple.topology.statics.rest import Statics
 
 Rates = tuple[tuple[float, float], ...]

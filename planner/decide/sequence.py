@@ -6,7 +6,7 @@ from math import log
 import numpy as np
 
 from topple.planner.decide.tolerances import EFFORT, LEAST_KEPT, SURE
-from topple.topology.arrays import IntArray
+from topple.topology.base.arrays import IntArray
 
 Pairs = Mapping[tuple[str, str], float]
 """(first, then) -> a value of the ordered pair."""

@@ -4,7 +4,7 @@ Importing this registers `topple/Pile-v0`, `topple/Dishes-v0` and `topple/Lemon-
 after `import gymnasium`; `gymnasium.make("topple.planner.environment:topple/Pile-v0")` needs neither.
 """
 
-from topple.topology.errors import NotInstalled
+from topple.topology.base.errors import NotInstalled
 
 try:
     import gymnasium

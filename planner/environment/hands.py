@@ -8,7 +8,7 @@ from topple.planner.environment.tolerances import CLEARANCE, FALLEN, NEAR, SETTL
 from topple.planner.simulate.lift import lift, move_between
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def take(world: PhysicalWorld, name: str) -> tuple[str, ...]:

@@ -15,10 +15,10 @@ from topple.planner.environment.view import Observation, seen, space_of
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.look import Observer
 from topple.robots.scenarios import Scenario, scenario_called
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 SLOTS = 12  # more than any built-in scene has objects
 SAMPLES, TABLE_SAMPLES = 1500, 10_000  # points of a whole surface, as fine as cameras see them

@@ -8,8 +8,8 @@ import numpy as np
 
 from topple.planner.decide.dependency import dependencies
 from topple.planner.environment.tolerances import FARTHEST
-from topple.topology.arrays import bounds
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import bounds
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 Observation = dict[str, Any]  # of arrays

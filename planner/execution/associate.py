@@ -7,11 +7,11 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from topple.planner.execution.tolerances import ELSEWHERE, GONE, LIKENESS, SEEN_THROUGH, SPACING, STAYED
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.geometry.thin import thinned
-from topple.topology.image import DepthImage
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 
 def associated(

@@ -12,7 +12,7 @@ from topple.planner.decide.goal import Goal, Place, PlaceRelation
 from topple.planner.execution.tolerances import BEARS, BURDENS, PRESSED
 from topple.planner.stability.state import State
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def truly_unmet(goal: Goal, world: PhysicalWorld, up: FloatArray) -> tuple[str, ...]:

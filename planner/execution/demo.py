@@ -27,9 +27,9 @@ from topple.robots.scenarios import SCENARIOS, Scenario, scenario_called
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
-from topple.topology.arguments import checked_arguments
-from topple.topology.files import check_writable, make_folder, write_all
-from topple.topology.workers import serve
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.files import check_writable, make_folder, write_all
+from topple.topology.base.workers import serve
 
 Progress = Callable[[str], None]
 

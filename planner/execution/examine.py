@@ -14,7 +14,7 @@ from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.home import reach_of
 from topple.robots.engines import INSTALLED
-from topple.topology.errors import NotInstalled, ToppleError
+from topple.topology.base.errors import NotInstalled, ToppleError
 
 
 @dataclass(frozen=True)

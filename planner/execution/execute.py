@@ -32,9 +32,9 @@ from topple.robots.arm.gripper import ToolName
 from topple.robots.driver import Driver, Motion
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import ToppleError
 from topple.topology.bodies.solids import Solids
-from topple.topology.errors import ToppleError
 from topple.topology.geometry.rigid import transformed
 
 WATCHED = (

@@ -6,9 +6,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.views.image import DepthImage
 
 
 @runtime_checkable

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from topple.planner.execution.tolerances import ITSELF, POINTS, ROUGH
 from topple.planner.tolerances import STEPS_ROUND
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.kernels.neighbours import PointTree
 
 

@@ -17,7 +17,7 @@ from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.touch import Touch
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)

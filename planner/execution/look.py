@@ -15,18 +15,17 @@ from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
 from topple.robots.driver import Driver
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
-from topple.topology.cloud import clean
 from topple.topology.geometry.thin import thinned
-from topple.topology.image import DepthImage, said_of_images
-from topple.topology.photo import Photo
-from topple.topology.relations import Relations
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.relations.relate import Relations
+from topple.topology.scene.cloud import clean
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
+from topple.topology.views.image import DepthImage, Photo, said_of_images
 
 Relate = Callable[[Scene], Relations]
 

@@ -36,11 +36,11 @@ from topple.robots.world.camera import Camera
 from topple.robots.world.photo import photograph
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.wrist_camera import WristCamera
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, ToppleError
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, ToppleError
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 log = logging.getLogger(__name__)
 

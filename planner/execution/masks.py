@@ -8,11 +8,11 @@ from scipy.optimize import linear_sum_assignment
 
 from topple.planner.execution.associate import apart, middle
 from topple.planner.execution.tolerances import AGAIN, ALIKE, MOVED, PIECE, SEAM, STAYED, SWAPPED
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.hull import Hull
-from topple.topology.image import DepthImage
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 
 def misnamed(seen: Scene, expected: Scene) -> tuple[dict[str, str], dict[str, str]]:

@@ -18,11 +18,11 @@ from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.recertify import recertified
 from topple.planner.transfer.transfer import Transfer
+from topple.topology.base.errors import ToppleError
+from topple.topology.base.workers import WorkerPool
 from topple.topology.bodies.solids import Solids
-from topple.topology.errors import ToppleError
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
-from topple.topology.workers import WorkerPool
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 log = logging.getLogger(__name__)
 

@@ -18,14 +18,14 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import TABLE_FRICTION
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_pose
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.solids import fixed_parts, solids_of, up_of
 from topple.topology.bodies.tops import lowest_in_use, tops_of
-from topple.topology.checks import as_pose
-from topple.topology.errors import InvalidInput
-from topple.topology.frame import in_frame
-from topple.topology.scene import Scene
+from topple.topology.scene.frame import in_frame
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.rest import Statics
 
 Z = np.array([0.0, 0.0, 1.0])

@@ -20,11 +20,11 @@ from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.poses import inverse
 from topple.robots.world.film import filmed
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_pose
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_pose
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
 
 

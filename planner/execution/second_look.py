@@ -14,9 +14,9 @@ from topple.planner.planning.next_view import View, next_views
 from topple.planner.transfer.tolerances import MARGIN
 from topple.robots.driver import Driver
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.situation.situation import Situation
+from topple.topology.views.image import DepthImage
 
 
 @runtime_checkable

@@ -18,7 +18,7 @@ from topple.planner.grasp.given import GraspsByObject
 from topple.planner.motion.collision import Checker
 from topple.planner.placement.away import Receiver
 from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Task
-from topple.topology.arguments import checked_arguments
+from topple.topology.base.arguments import checked_arguments
 
 
 @checked_arguments

@@ -17,13 +17,13 @@ from topple.planner.execution.tolerances import (
 )
 from topple.robots.arm.arm import Arm
 from topple.robots.driver import Driver
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.geometry.samples import sampled_with_normals
 from topple.topology.geometry.thin import thinned
-from topple.topology.image import DepthImage
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 
 def shift_of(robot: Driver, images: Sequence[DepthImage], scene: Scene) -> FloatArray | None:

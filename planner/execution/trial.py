@@ -30,7 +30,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.home import level_of, reach_of, scale_of, shoulder_of
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 Place = tuple[float, float, float]
 

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_structs import Motion, SegmentData, Step
 from topple.robots.collision.convex import hull_of
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import NotInstalled
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import NotInstalled
 
 WORLD, BASE = "world", "base"
 HAND_SECONDS = 1.0  # [s] a hand is given to close or open: a plan does not time it

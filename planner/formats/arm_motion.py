@@ -9,8 +9,8 @@ from topple.planner.transfer.segments import SegmentKind
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
-from topple.topology.values import ByValue
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.values import ByValue
 
 FRAMES = 16
 """Key frames of a motion: the poses between them are interpolated, which is off by less than a millimetre."""

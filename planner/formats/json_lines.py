@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.strict_json import read_json
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -20,8 +20,8 @@ from topple.planner.formats.plan_structs import (
 from topple.planner.placement.away import Receiver
 from topple.planner.transfer.segments import Segment
 from topple.planner.transfer.transfer import Transfer
-from topple.topology.arrays import FloatArray
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.situation.situation import Situation
 
 DIGITS = 6  # micrometres and microradians: below what any arm can tell
 

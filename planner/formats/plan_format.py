@@ -16,14 +16,14 @@ from topple.planner.placement.away import BODIES, Away
 from topple.planner.transfer.segments import KINDS
 from topple.planner.verify.verify import verify
 from topple.robots.arm.arm import Arm
-from topple.topology.arguments import checked_arguments
-from topple.topology.checks import as_pose
-from topple.topology.errors import InvalidInput
-from topple.topology.files import write_whole
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.checks import as_pose
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.files import write_whole
+from topple.topology.base.tolerances import FARTHEST, RIGID
 from topple.topology.io.limits import read_bytes
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.io.strict_json import read_json
-from topple.topology.tolerances import FARTHEST, RIGID
 
 
 class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data say, in the schema too

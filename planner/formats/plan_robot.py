@@ -14,7 +14,7 @@ from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool
 from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.tolerances import BESIDE, CUP_FRICTION
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm

@@ -6,9 +6,9 @@ import msgspec
 import numpy as np
 
 from topple.planner.formats.plan_robot import ArmData
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.notebook import in_cell
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.notebook import in_cell
 
 FORMAT = "topple.plan"
 FORMAT_VERSION = 1

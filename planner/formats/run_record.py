@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from topple.planner.formats.arm_motion import ArmMotion
-from topple.topology.arrays import FloatArray
-from topple.topology.notebook import in_cell
-from topple.topology.photo import Photo
-from topple.topology.scene import Scene
-from topple.topology.values import ByValue
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.notebook import in_cell
+from topple.topology.base.values import ByValue
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import Photo
 
 INTERRUPTED = "interrupted"
 """What a run is stopped by that somebody ended."""

@@ -20,12 +20,12 @@ from topple.planner.grasp.surroundings import Dropped, Surroundings, surrounding
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.grasp.widen import widened
 from topple.robots.arm.gripper import ToolName
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.rounded import rounded
 from topple.topology.geometry.hull import Hull
-from topple.topology.rounded import rounded
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm

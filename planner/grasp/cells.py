@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.tolerances import CELLS_EDGE, GROUP
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 MOST = 64  # grasps of a group worked on at once: their tables stay within the processor's cache
 ROUNDING = 1e-9  # [m] by which a cell has to be within or beside a box to count as a whole

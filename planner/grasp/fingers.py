@@ -11,9 +11,9 @@ from topple.planner.grasp.prisms import Prism
 from topple.planner.grasp.suction import CupShape
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, SHARES_ASKED, WAY_LAYERS, GraspTolerances
 from topple.robots.arm.gripper import ToolName
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.geometry.hull import Hull
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 def standing_in(

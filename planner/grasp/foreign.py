@@ -9,12 +9,12 @@ import numpy as np
 
 from topple.planner.grasp.stored import Key
 from topple.planner.grasp.tolerances import PAD_HALF
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray, frozen
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.plugins import Table, expected
+from topple.topology.base.values import ByValue
 from topple.topology.io.limits import opened
-from topple.topology.plugins import Table, expected
-from topple.topology.values import ByValue
 
 GRASPNET_COLUMNS = 17  # score, width, height, depth, rotation (9), translation (3), object
 

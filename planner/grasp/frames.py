@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.tolerances import ALIKE, CENTRAL, ENOUGH, FRAMES_FLAT, LEANING
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

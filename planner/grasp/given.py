@@ -13,10 +13,10 @@ from topple.planner.grasp.room import Room
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.grasp.tolerances import MOST_GIVEN
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 OwnGrasps = Sequence[Grasp | RankedGrasp] | Mapping[str, Sequence[Grasp | RankedGrasp]]
 """Grasps with their objects, as `rank_grasps` gives them or one's own, or those of each object."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from topple.robots.arm.gripper import Tool, ToolName
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray, frozen
-from topple.topology.errors import InvalidInput
-from topple.topology.values import ByValue, Word
+from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import ByValue, Word
 
 
 class GraspKind(Word):

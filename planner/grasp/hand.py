@@ -10,8 +10,8 @@ from topple.planner.grasp.prisms import Prism, prisms
 from topple.planner.grasp.tolerances import FINGER_SLABS, HAND_REACH, PRESS
 from topple.robots.arm.gripper import ParallelJaw, ToolName, ToolState
 from topple.robots.arm.hinged import HingedJaw
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm

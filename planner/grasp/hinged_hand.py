@@ -13,7 +13,7 @@ from topple.planner.grasp.tolerances import FINGER_SLABS, GRASP_TOLERANCES, HING
 from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.tolerances import BESIDE
 from topple.robots.collision.convex import section
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 Bodies = list[tuple[str, FloatArray]]
 

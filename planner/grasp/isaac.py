@@ -7,8 +7,8 @@ import numpy as np
 
 from topple.planner.grasp.foreign import ForeignGrasps, checked
 from topple.planner.grasp.tolerances import HAND_TO_PADS
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, NotInstalled
 from topple.topology.io.limits import read_bytes
 
 

@@ -15,7 +15,7 @@ from topple.planner.grasp.room import Room
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.tolerances import FEW, GRASP_TOLERANCES, PAST_PADS, ROUGH, STRONGEST, WIDEST
 from topple.robots.arm.gripper import ToolName
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.bodies.matter import MATTER
 from topple.topology.geometry.hull import Hull
 

@@ -10,7 +10,7 @@ from topple.planner.grasp.suction import CupShape
 from topple.planner.grasp.tolerances import HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
 from topple.robots.arm.gripper import vacuum_load
 from topple.robots.arm.tolerances import GRAVITY
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.statics.tolerances import DENSITY
 
 if TYPE_CHECKING:

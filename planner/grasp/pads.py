@@ -14,7 +14,7 @@ from topple.planner.grasp.tolerances import (
     SLOPED,
     GraspTolerances,
 )
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

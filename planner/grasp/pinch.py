@@ -24,7 +24,7 @@ from topple.planner.grasp.tolerances import (
     ROUGH,
     GraspTolerances,
 )
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 NOTHING = "nothing between the pads"
 BELOW = "the hand would go below the ground"

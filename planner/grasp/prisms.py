@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from topple.robots.collision.convex import section
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -20,17 +20,17 @@ from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot as robot_named
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_pose
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_pose
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.values import ByValue
+from topple.topology.base.workers import all_of
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
-from topple.topology.values import ByValue
-from topple.topology.workers import all_of
 
 GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 """Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""

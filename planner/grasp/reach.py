@@ -7,7 +7,7 @@ import numpy as np
 from topple.planner.grasp.grasp import HALF_TURN, Grasp
 from topple.robots.arm.arm import Arm
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def reachable(grasps: Sequence[Grasp], arm: Arm, pose_base_to_world: FloatArray) -> list[bool]:

@@ -16,7 +16,7 @@ from topple.planner.grasp.tolerances import (
     STEEPEST,
     GraspTolerances,
 )
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def rim_frames(

@@ -15,10 +15,10 @@ from topple.planner.grasp.tolerances import ASIDE, AT_LIP, FINE, GRASP_TOLERANCE
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.geometry.hull import Hull
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.lib import format as npy
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 MOST_BYTES = 1 << 28
 """Of one stored array or dict: four million grasps."""

@@ -18,8 +18,8 @@ from topple.planner.grasp.foreign import (
 )
 from topple.planner.grasp.stored import MOST_BYTES, Key, Stored, read_stored
 from topple.planner.grasp.tolerances import HAND_TO_PADS
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import opened, read_bytes
 
 READ = {"pred_grasps_cam", "gripper_openings", "poses", "scores"}  # of an .npz

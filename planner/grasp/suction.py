@@ -22,8 +22,8 @@ from topple.planner.grasp.tolerances import (
     GraspTolerances,
 )
 from topple.robots.arm.gripper import SuctionCup, ToolName, lip_plane
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm

@@ -7,12 +7,12 @@ import numpy as np
 
 from topple.planner.grasp.surroundings import Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.geometry.samples import sampled_with_normals, volume_and_centre
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.image import DepthImage
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
+from topple.topology.views.image import DepthImage
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 ITSELF = "its own sides"
 

@@ -10,7 +10,7 @@ from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, SHARES, GraspTolerances
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 
 
 def widened(

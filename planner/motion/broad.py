@@ -4,7 +4,7 @@ import numpy as np
 
 from topple.planner.motion.model import CollisionModel
 from topple.robots.collision.separation import Candidates, Float32Array, Frames
-from topple.topology.arrays import IntArray
+from topple.topology.base.arrays import IntArray
 
 
 class BroadPhase:

@@ -7,7 +7,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.inverse import InverseTolerances, solve
 from topple.robots.arm.kinematics import rotation_vectors
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 CONTINUED = InverseTolerances(iterations=16, step=0.2)  # the start is close: few and short steps
 

@@ -15,7 +15,7 @@ from topple.planner.motion.tolerances import DEPTH, DIRECTIONS, FINEST, FIRST, P
 from topple.robots.arm.kinematics import Chain
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
 from topple.robots.collision.tolerances import ROUNDING
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from topple.planner.motion.tolerances import EDGE_STEP, ROUNDED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
 SMALL = 96  # states that cost little more than a few: such a batch is not divided

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.planner.motion.model import CollisionModel
 from topple.robots.collision.fcl_bodies import fcl_convex
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 class ExactPhase:

@@ -12,8 +12,8 @@ from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.separation import ConvexSets
 from topple.robots.poses import inverse
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 
 

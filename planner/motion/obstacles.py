@@ -8,11 +8,11 @@ import numpy as np
 
 from topple.planner.motion.tolerances import PARTS, SAMPLES
 from topple.robots.arm.shapes import prism
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.parts import convex_parts
-from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
-from topple.topology.mesh import Mesh
+from topple.topology.scene.mesh import Mesh
 
 NO_VIEWPOINTS = np.empty((0, 3))  # tells `convex_parts` that nothing of the surface is missing
 

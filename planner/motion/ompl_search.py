@@ -10,8 +10,8 @@ from topple.planner.budget import check_budget, seconds_left
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.tolerances import RANGE, ROUNDS
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 
 OMPL_INSTALLED = find_spec("ompl") is not None
 """It has no wheel for Windows, nor for every Python."""

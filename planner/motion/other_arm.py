@@ -8,7 +8,7 @@ import numpy as np
 from topple.planner.motion.tolerances import GIVES_WAY, SPREAD
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled

@@ -9,7 +9,7 @@ import numpy as np
 from topple.planner.budget import check_budget
 from topple.planner.motion.tolerances import ROUNDS
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 
 class EdgeChecker(Protocol):

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from topple.planner.motion.tolerances import POINTS, SHORTCUT_ROUNDS, TRIES
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 
 EdgesFree = Callable[[FloatArray, FloatArray], BoolArray]
 

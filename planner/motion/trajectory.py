@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.planner.motion.tolerances import CORNER_SHARE, PERIOD
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, frozen
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from topple.planner.motion.rrt import RRTSettings, rrt_connect
 from topple.planner.motion.shortcut import shortcut
 from topple.planner.motion.tolerances import CLEARANCE, DAMPING, ROUNDS, STEP, UPRIGHT_ROUNDS, WITHIN
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 
 REACH = RRTSettings(reach=0.35)  # [rad] longer branches leave the band of small tilts more often than not
 

@@ -31,15 +31,15 @@ from topple.planner.placement.tolerances import (
 )
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import Word
 from topple.topology.bodies.solids import Solids, moved
-from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
-from topple.topology.values import Word
 
 if TYPE_CHECKING:
-    from topple.topology.situation import Situation
+    from topple.topology.situation.situation import Situation
 
 
 class Away(Word):

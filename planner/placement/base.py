@@ -12,14 +12,14 @@ from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.tolerances import DIRECTIONS, DISTANCES, FOOT, HOVER, SEEDS, STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.home import scale_of
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import ToppleError
 from topple.topology.bodies.tops import lowest_in_use, tops_of
-from topple.topology.errors import ToppleError
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 class NoBase(ToppleError):

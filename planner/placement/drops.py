@@ -11,10 +11,10 @@ from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.engines import INSTALLED, rehearsal_world
 from topple.robots.poses import angle_between
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 

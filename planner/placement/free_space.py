@@ -8,13 +8,13 @@ from scipy.ndimage import distance_transform_edt
 
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.planner.placement.tolerances import SKIN
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.solids import Solids
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.sides import beyond, sides_of
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.stacking import heights_of, underside
 from topple.planner.placement.tolerances import CELL, CONTACT, SKIN
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.bodies.solids import centre_in, hull_vertices
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
@@ -15,8 +15,8 @@ from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled
 from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 def lowered(name: str, situation: Situation, pose: FloatArray) -> Placement | None:

@@ -15,13 +15,13 @@ from topple.planner.placement.resting import (
 )
 from topple.planner.placement.tolerances import KEPT, SPARE_SHARE
 from topple.planner.tolerances import ALIKE
-from topple.topology.arrays import BoolArray, FloatArray, frozen
-from topple.topology.errors import UnknownObject
+from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.errors import UnknownObject
+from topple.topology.base.values import Word
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
-from topple.topology.values import Word
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,11 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
 from topple.robots.engines import INSTALLED
 from topple.robots.poses import angle_between
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.sides import inset
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.placement.tolerances import ALIKE, FLAT_SHARE, FLATNESS, MOST_RESTS, MOST_TILT
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import hull_vertices
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.samples import centre_of_mass

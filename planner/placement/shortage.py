@@ -7,10 +7,10 @@ from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.home import scale_of, workplace_of
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 def shortage(name: str, situation: Situation, arm: Arm, pose_base_to_world: FloatArray) -> str:

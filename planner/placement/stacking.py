@@ -15,16 +15,16 @@ from topple.planner.placement.resting import (
     resting_poses,
 )
 from topple.planner.placement.tolerances import CELL, CONTACT, GAPS, HEADINGS, INSET, SPOT, YAWS
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.errors import UnknownObject
 from topple.topology.bodies.solids import centre_in, hull_vertices
 from topple.topology.bodies.tops import tops_of
-from topple.topology.errors import UnknownObject
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.samples import sampled
 from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 DROPS = {
     PlaceRelation.WITHIN: (0.005, 0.02, 0.04, 0.08)

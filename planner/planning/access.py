@@ -12,8 +12,8 @@ from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.planning.tolerances import TOGETHER
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True)

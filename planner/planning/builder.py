@@ -32,12 +32,12 @@ from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import moved
-from topple.topology.errors import InvalidInput
-from topple.topology.relations import Relations
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.relations.relate import Relations
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 Progress = Callable[[str], None]
 _Before = tuple[Situation, FloatArray, dict[str, FloatArray], dict[str, Sequence[FloatArray]]]

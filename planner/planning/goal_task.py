@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.step import Chooser, Context, Task
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True)

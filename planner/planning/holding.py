@@ -18,11 +18,11 @@ from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import Solids
-from topple.topology.errors import InvalidInput
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 FIRST, SECOND = "the first arm's", "the second arm's"
 

@@ -27,7 +27,7 @@ from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import Transfer
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 Option = tuple[Fallback | None, Callable[[], NextStep | None]]
 """A way on, with its name; None for the plain one."""

@@ -20,13 +20,13 @@ from topple.planner.planning.tolerances import (
     UNSEEN,
 )
 from topple.robots.poses import looking_at
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
-from topple.topology.checks import as_points
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.base.checks import as_points
+from topple.topology.base.values import ByValue
 from topple.topology.io.load import AnyScene
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.situation import Situation
-from topple.topology.values import ByValue
+from topple.topology.situation.situation import Situation
 
 if TYPE_CHECKING:
     pass

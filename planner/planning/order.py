@@ -15,20 +15,20 @@ from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import DependencyGraph, dependencies, reasoned, with_fixture
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_names
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_names
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.values import FrozenDict
+from topple.topology.base.workers import all_of
 from topple.topology.io.load import AnyScene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
-from topple.topology.values import FrozenDict
-from topple.topology.workers import all_of
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
-    from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
+    from topple.topology.relations.relate import Relations
+    from topple.topology.scene.scene import Scene
     from topple.topology.statics.rest import Statics
 
 

@@ -25,14 +25,14 @@ from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import BULLET, INSTALLED
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.workers import all_of
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.relations import Relations
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.relations.relate import Relations
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
-from topple.topology.workers import all_of
 
 UNPROVEN = "placements were not let go in simulation: no engine is installed"
 REFUTED = "does not hold its own check"

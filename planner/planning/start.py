@@ -6,11 +6,11 @@ import numpy as np
 
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.rounded import rounded
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.rounded import rounded
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 def check_start(situation: Situation, arm: Arm, pose_base_to_world: FloatArray, q_start: FloatArray) -> None:

@@ -16,13 +16,13 @@ from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.plugins import Table
 from topple.topology.bodies.solids import Solids
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.plugins import Table
-from topple.topology.relations import Relations
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.relations.relate import Relations
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True, eq=False)

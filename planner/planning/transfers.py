@@ -23,8 +23,8 @@ from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import NO_PLACE, Transfer, no_grasp, plan_transfer
 from topple.robots.arm.home import scale_of, workplace_of
 from topple.robots.collision.fcl_bodies import apart
-from topple.topology.arrays import FloatArray
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)

@@ -14,11 +14,11 @@ from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_pose
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_pose
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
 
 

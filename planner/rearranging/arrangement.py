@@ -14,17 +14,17 @@ from topple.planner.rearranging.possible import check_possible
 from topple.planner.rearranging.registration import Registration, least, registered, remaining
 from topple.planner.rearranging.steady import steadied
 from topple.planner.rearranging.tolerances import OTHER, SIZES
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import up_of
-from topple.topology.errors import InvalidInput
-from topple.topology.frame import in_frame
 from topple.topology.io.load import AnyScene
-from topple.topology.situation import Situation
+from topple.topology.scene.frame import in_frame
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 if TYPE_CHECKING:
-    from topple.topology.scene import Scene
+    from topple.topology.scene.scene import Scene
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 

@@ -26,9 +26,9 @@ from topple.planner.rearranging.registration import Registration, turns
 from topple.planner.rearranging.tolerances import MOST_LEARNED, RAISED, RISK_STEP, TURNS
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import Transfer
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed, turned_to
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 Starting = Callable[[Move], Order]
 """The order of which a move is the first."""

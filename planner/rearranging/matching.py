@@ -8,9 +8,9 @@ from scipy.optimize import linear_sum_assignment
 
 from topple.planner.rearranging.registration import registered
 from topple.planner.rearranging.tolerances import NEARER, SIZES, UNLIKE
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from topple.planner.budget import check_budget, seconds_left
 from topple.planner.errors import NoSafePlan
 from topple.planner.rearranging.problem import Act, Event, Move, Problem, To
 from topple.planner.rearranging.tolerances import HARD, NODES
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 import numpy as np
 
 from topple.planner.rearranging.tolerances import DEEP, DEEP_SHARE
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.sides import beyond, sides_of
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 

@@ -16,10 +16,10 @@ from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
 from topple.planner.rearranging.steady import steadied
 from topple.planner.rearranging.tolerances import NAMED
 from topple.planner.tolerances import DISTURBED
-from topple.topology.arrays import FloatArray, bounds
-from topple.topology.evidence import Evidence
+from topple.topology.base.arrays import FloatArray, bounds
 from topple.topology.geometry.axes import around
-from topple.topology.situation import Situation
+from topple.topology.situation.evidence import Evidence
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import classify
 from topple.topology.statics.sweep import swept_matrix
 

@@ -3,8 +3,8 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from topple.topology.errors import InvalidInput
-from topple.topology.values import Word
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import Word
 
 
 class Act(Word):

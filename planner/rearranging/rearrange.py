@@ -15,14 +15,14 @@ from topple.planner.rearranging.moves import fewest_moves
 from topple.planner.rearranging.precedences import OccupiedPlace, precedences
 from topple.planner.rearranging.problem import Move, To
 from topple.planner.tolerances import DISTURBED
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import ByValue
 from topple.topology.io.load import AnyScene
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.support import Support
-from topple.topology.values import ByValue
 
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan

@@ -29,7 +29,7 @@ from topple.planner.rearranging.tolerances import (
 )
 from topple.planner.tolerances import DISTURBED, STEPS_ROUND, TURNED
 from topple.robots.poses import inverse
-from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree

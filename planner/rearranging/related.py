@@ -9,11 +9,11 @@ from topple.planner.decide.goal import Place, PlaceRelation
 from topple.planner.errors import NoSafePlan
 from topple.planner.rearranging.arrangement import INSIDE, Arrangement
 from topple.planner.rearranging.words import laid_out
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.relations import told_in
-from topple.topology.relation_table import RelationTable
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
+from topple.topology.sixim.relation_table import RelationTable
 from topple.topology.sixim.table import Relation
 
 OUTSIDE = (Relation.CONTAIN, Relation.PARTIAL_CONTAIN)

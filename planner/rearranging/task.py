@@ -10,11 +10,11 @@ from topple.planner.planning.step import Chooser, Context, Task
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.chooser import MoveChooser
 from topple.planner.rearranging.problem import Act, Pair
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 @dataclass

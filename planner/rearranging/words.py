@@ -17,11 +17,11 @@ from topple.planner.placement.stacking import placements_on
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.tolerances import BESIDE, CHOICE, HEADINGS
 from topple.robots.collision.fcl_bodies import apart
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.values import Word
 from topple.topology.geometry.axes import level_axes
-from topple.topology.situation import Situation
-from topple.topology.values import Word
+from topple.topology.situation.situation import Situation
 
 
 class Side(Word):

@@ -13,8 +13,8 @@ from topple.planner.report.palette import Colour, css
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import object_name, sentence_list
 from topple.planner.report.words import CHECK_HEADINGS, MARGINS, check_cells
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 
 CARRIES: Colour = (26, 150, 65)
 PUSHED: Colour = (204, 120, 0)

@@ -12,13 +12,13 @@ from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import FIXED_COLOUR, Colour, css, ink_on, object_colours, relation_colour
 from topple.planner.report.words import because, places, said
 from topple.robots.collision.convex import hull_of, reduced
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.bodies.surfaces import whole_surfaces
-from topple.topology.cloud import clean
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
-from topple.topology.scene import Scene
+from topple.topology.scene.cloud import clean
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation
 
 Document = Mapping[str, Any]

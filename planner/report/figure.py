@@ -23,9 +23,9 @@ from topple.planner.report.palette import (
 )
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.words import order_in_words, ordinal, shortened
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -22,7 +22,7 @@ from topple.planner.report.palette import (
     reason_colour,
 )
 from topple.planner.report.words import because, ordinal, places, said, shortened
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 Document = Mapping[str, Any]
 Point = tuple[float, float]

@@ -16,10 +16,10 @@ from topple.planner.report.drawing import Drawing, DrawnObject, is_inferred
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import relation_colour
 from topple.planner.report.plan_page import check_scene
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import NotInstalled
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import NotInstalled
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 if TYPE_CHECKING:

@@ -15,13 +15,13 @@ from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import order_list, relation_table, sentence_list
 from topple.planner.report.words import listed
 from topple.topology.geometry.samples import sampled
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 if TYPE_CHECKING:
     from topple.planner.decide.arrange import Order
     from topple.planner.formats.plan_format import Plan
     from topple.planner.formats.run_record import RunRecord
-    from topple.topology.relations import Relations
+    from topple.topology.relations.relate import Relations
 
 TALL, LOW = 560, 360  # [px] of a cell with a view, and of one without
 

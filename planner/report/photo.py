@@ -11,9 +11,9 @@ from topple.planner.formats.pictures import jpeg
 from topple.planner.report.drawing import Document, Drawing
 from topple.planner.report.palette import Colour, css, ink_on
 from topple.planner.report.words import ordinal, places, shortened
-from topple.topology.arrays import BoolArray
-from topple.topology.photo import Photo
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import BoolArray
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import Photo
 
 _TINT = 0.22
 """Share of an object's colour within its mask: enough to tell masks apart, and the photo stays a photo."""

@@ -24,11 +24,11 @@ from topple.planner.report.words import TARGET, UNTIED, counted, millimetres, or
 from topple.planner.transfer.segments import SegmentKind
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.topology.arguments import checked_arguments
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.samples import sampled
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)  # ways that are not meant to come near anything
 
@@ -56,7 +56,7 @@ def plan_page(
     """
     scene = as_scene(scene)
     if relations is None:
-        from topple.topology.relations import relate
+        from topple.topology.relations.relate import relate
 
         relations = relate(scene)
     check_scene(plan, scene)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.report.drawing import outline
 from topple.planner.report.html import Span
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 STEP = 1e-4  # lengths are whole multiples of this [m]: 16 bits reach 3.2 m either way
 TURN = 32767  # parts of a quaternion are whole multiples of its inverse

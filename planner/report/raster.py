@@ -7,7 +7,7 @@ from scipy.ndimage import binary_fill_holes, maximum_filter, minimum_filter
 from topple.planner.formats.pictures import Pixels
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.limits import LIMITS
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 class Projection:

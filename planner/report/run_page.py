@@ -17,7 +17,7 @@ from topple.planner.report.show import dependency_section
 from topple.planner.report.tables import Change, order_list, relation_changes, relation_table
 from topple.planner.report.words import counted, millimetres, sentence
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
-from topple.topology.arguments import checked_arguments
+from topple.topology.base.arguments import checked_arguments
 
 
 @checked_arguments

@@ -9,7 +9,7 @@ from topple.planner.report.html import view_page
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
 from topple.planner.report.words import listed, sentences
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 def show_page(

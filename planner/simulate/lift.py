@@ -9,7 +9,7 @@ import numpy as np
 from topple.planner.simulate.tolerances import DOWNWARD, HIGHER, LIFT, SPEED
 from topple.robots.poses import angle_between
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 _World = TypeVar("_World", bound=PhysicalWorld)
 

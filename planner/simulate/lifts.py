@@ -10,7 +10,7 @@ from topple.planner.simulate.lift import Move, lift, move_between
 from topple.planner.simulate.tolerances import SETTLE, SLOW, STILL, WATCHED
 from topple.robots.engine import pybullet
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 if TYPE_CHECKING:
     from topple.planner.simulate.rebuild import Rebuilt

@@ -18,15 +18,15 @@ from topple.robots.engines import new_world
 from topple.robots.world.bodies import Body
 from topple.robots.world.body_clouds import shell
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.cloud import noise_and_spacing
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.sides import hull_volume
 from topple.topology.io.geometry import sampled_mesh
 from topple.topology.io.load import AnyScene
-from topple.topology.mesh import Mesh
-from topple.topology.situation import Situation
-from topple.topology.statics.matter import SURFACE
+from topple.topology.scene.cloud import noise_and_spacing
+from topple.topology.scene.friction import SURFACE
+from topple.topology.scene.mesh import Mesh
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.mesh_contact import Polyhedron
 
 

@@ -13,12 +13,12 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.body_clouds import Piece, shell, solid
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import FRICTION, TABLE_FRICTION
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.complete import is_hollow
+from topple.topology.bodies.upright import Upright
 from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.rest import Statics
-from topple.topology.upright import Upright
-from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
     from topple.robots.world.world import World

@@ -24,7 +24,7 @@ from topple.planner.simulate.tolerances import (
 )
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import inset
 from topple.topology.views.free_space import FreeSpace

@@ -15,8 +15,8 @@ from topple.planner.simulate.lift import Move
 from topple.planner.simulate.lifts import Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.tolerances import FRICTIONS, NOISE, TRUSTED
+from topple.topology.base.workers import serve
 from topple.topology.statics.rest import Statics
-from topple.topology.workers import serve
 
 
 @dataclass(frozen=True, eq=False)

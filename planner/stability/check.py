@@ -10,10 +10,10 @@ from topple.planner.stability.footing import Footing
 from topple.planner.stability.margins import Carry, Direction, Island, Margins, beyond_support, islands_of
 from topple.planner.stability.stack import as_stack
 from topple.planner.stability.verdicts import GONE, STANDING, Finding, Verdict, find_verdicts, held
-from topple.topology.arguments import checked_arguments
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.load import AnyScene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True)

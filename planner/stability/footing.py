@@ -19,23 +19,23 @@ from topple.planner.stability.tolerances import (
     SOLID_EDGE,
     TOUCHES,
 )
-from topple.topology.arrays import FloatArray
-from topple.topology.cloud import noise_and_spacing
+from topple.topology.base.arrays import FloatArray
+from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.io.geometry import sampled_mesh
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.cloud import noise_and_spacing
+from topple.topology.scene.friction import friction_between
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight
 from topple.topology.statics.faces import faces_of
 from topple.topology.statics.grounds import planes_and_rest
-from topple.topology.statics.matter import friction_between
 from topple.topology.statics.mesh_contact import Polyhedron, depth, drop, mesh_contact
 from topple.topology.statics.rest import within_reach
 from topple.topology.statics.tolerances import DENSITY, FACING, GUESSED, LEVER, UNSTEADY
-from topple.topology.upright import Upright
 
 
 @dataclass(frozen=True, eq=False)

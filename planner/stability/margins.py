@@ -13,7 +13,7 @@ from topple.planner.stability.footing import Footing
 from topple.planner.stability.tolerances import FARTHEST, ROLLS_FROM, STEEPEST, STRONGEST, WAYS
 from topple.planner.stability.verdicts import fallen, held
 from topple.robots.arm.tolerances import GRAVITY
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import inset
 from topple.topology.statics.contact import Contact

@@ -10,13 +10,13 @@ from topple.planner.stability.footing import Footing
 from topple.planner.stability.margins import beyond_support
 from topple.planner.stability.tolerances import LEAST_MOVE, MENDING_ROUNDS, MENDS_BY, SINKS
 from topple.planner.stability.verdicts import STANDING, Finding, Verdict, find_verdicts
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.frame import shifted
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.frame import shifted
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,9 @@ from topple.planner.stability.tolerances import (
     ROUND_REST,
     STRAYS,
 )
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.io.geometry import spread_over
-from topple.topology.mesh import Mesh
+from topple.topology.scene.mesh import Mesh
 
 
 def solid_of(points: FloatArray, noise: float, spacing: float) -> Mesh | None:

@@ -12,7 +12,7 @@ import numpy as np
 from topple.planner.stability.footing import Footing
 from topple.planner.stability.margins import Carry, Island
 from topple.planner.stability.tolerances import FARTHEST, LEVEL, STEEPEST, STRONGEST
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight

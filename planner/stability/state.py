@@ -13,12 +13,12 @@ from topple.planner.stability.tolerances import CLOUD_RIM, REST_SPEED, REST_TURN
 from topple.planner.stability.verdicts import Verdict
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, sides_of
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.tolerances import LOWEST_SHARE
 
 CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])

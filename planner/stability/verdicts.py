@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 from topple.planner.stability.footing import Footing
 from topple.planner.stability.tolerances import GRIPPING
+from topple.topology.base.values import Word
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import islands
 from topple.topology.statics.falling import falls
 from topple.topology.statics.holding import deficits
-from topple.topology.values import Word
 
 
 class Verdict(Word):

@@ -15,11 +15,11 @@ from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.arm.torques import Strain, strain
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import volume_and_centre
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 class Checks:

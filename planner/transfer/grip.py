@@ -15,7 +15,7 @@ from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.gripper import ToolName, ToolState
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 STAYS = Placement(np.eye(4), 1.0, "where it is")
 

@@ -21,7 +21,7 @@ from topple.planner.transfer.stages import Stage
 from topple.planner.transfer.tolerances import MARGIN, SEEDS, STRAIN_STEP
 from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 from topple.planner.placement.away import Away
 from topple.planner.transfer.transfer import Transfer
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.geometry.samples import sampled
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 def after(situation: Situation, transfer: Transfer, looked_at: bool = False) -> Situation:

@@ -17,8 +17,8 @@ from topple.planner.transfer.tolerances import MARGIN, ROUNDING
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
-from topple.topology.arrays import FloatArray
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.situation.situation import Situation
 
 
 def recertified(

@@ -7,7 +7,7 @@ import numpy as np
 from topple.planner.motion.certificate import Certificate
 from topple.planner.motion.trajectory import Trajectory
 from topple.robots.arm.gripper import ToolState
-from topple.topology.values import Word
+from topple.topology.base.values import Word
 
 
 class SegmentKind(Word):

@@ -17,7 +17,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_than
 from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 STRAIGHT = (SegmentKind.APPROACH, SegmentKind.LIFT, SegmentKind.PLACE, SegmentKind.RETREAT)
 

@@ -25,11 +25,11 @@ from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.home import scale_of, workplace_of
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.errors import UnknownObject
 from topple.topology.bodies.solids import Solids
-from topple.topology.errors import UnknownObject
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 NO_GRASP, NO_PLACE = "no grasp that holds and has room", "no free place within reach"
 FALLS = "place: it would not stay as it is let go there, and no drop is allowed"

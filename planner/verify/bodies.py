@@ -5,7 +5,7 @@ import numpy as np
 from topple.planner.formats.plan_structs import PlanData
 from topple.robots.arm.arm import Arm
 from topple.robots.poses import angle_between
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def tool_poses(arm: Arm, plan: PlanData, tool: str, states: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.engine import pybullet
 from topple.robots.poses import position_and_quaternion
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 # noisy clouds slide along each other's facets
 

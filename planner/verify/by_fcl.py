@@ -12,7 +12,7 @@ from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import BY_FCL_SLACK
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(eq=False)

@@ -14,7 +14,7 @@ from topple.planner.verify.tolerances import ROUNDED_SCORE, ROUNDED_TIME, SAME, 
 from topple.robots.arm.arm import Arm
 from topple.topology.bodies.matter import MATTER
 from topple.topology.geometry.sides import beyond, joggled_sides
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 def check_claims(plan: PlanData) -> tuple[Residual, ...]:

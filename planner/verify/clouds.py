@@ -10,13 +10,13 @@ from topple.planner.verify.bodies import parts_of, tool_poses
 from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import EVERY, FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.geometry.thin import spacing_of, voxel_means
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 @dataclass(eq=False)

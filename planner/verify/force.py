@@ -17,11 +17,11 @@ from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.tolerances import GRAVITY
 from topple.robots.arm.torques import Strain, strain
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import moved
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import volume_and_centre
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 class ForceCheck:

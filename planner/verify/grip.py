@@ -12,7 +12,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled

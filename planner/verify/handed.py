@@ -16,7 +16,7 @@ from topple.planner.verify.tolerances import FALL, OFF, SHORT
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import moved
 
 HANDED = (

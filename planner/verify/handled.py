@@ -13,7 +13,7 @@ from topple.planner.verify.tolerances import NEAR, OFF, REACHED, TILT
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.collision.fcl_bodies import fcl_body
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
 
 

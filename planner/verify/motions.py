@@ -7,7 +7,7 @@ from topple.planner.formats.plan_structs import PlanData, SegmentData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.tolerances import AT_REST, DRIFT, JUMP, LIP, OVER, QUARTERS, STRAYED
 from topple.robots.arm.arm import Arm
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def check_motions(plan: PlanData, arm: Arm) -> tuple[Residual, ...]:

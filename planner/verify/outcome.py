@@ -14,13 +14,13 @@ from topple.planner.tolerances import DISTURBED
 from topple.planner.transfer.prediction import rested
 from topple.planner.verify.bodies import completed_of
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SURFACE
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import moved
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 if TYPE_CHECKING:
     from topple.planner.decide.dependency import Dependency

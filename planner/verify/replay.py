@@ -19,7 +19,7 @@ from topple.planner.verify.tolerances import OFF, OPENED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

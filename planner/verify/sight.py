@@ -16,8 +16,8 @@ from topple.planner.verify.replay import SegmentReplay
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.situation.situation import Situation
 
 UNSAID = "hands that come in unseen and are not said to"
 

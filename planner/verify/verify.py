@@ -31,10 +31,10 @@ from topple.planner.verify.sight import UNSAID, SightCheck
 from topple.planner.verify.tolerances import COARSE, STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.matter import MATTER
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 NO_SCENE = "no scene was given"
 

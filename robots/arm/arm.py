@@ -15,9 +15,9 @@ from topple.robots.arm.inverse import distinct, solve
 from topple.robots.arm.kinematics import Chain, joint_value, pose_of_joint
 from topple.robots.arm.tolerances import STARTS
 from topple.robots.arm.urdf import Joint, Model, read_urdf
-from topple.topology.arrays import BoolArray, FloatArray, frozen
-from topple.topology.checks import numeric
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.checks import numeric
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 
 CHUNK = 512  # targets asked about at once: their states and frames are some 100 MB

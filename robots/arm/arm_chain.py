@@ -17,8 +17,8 @@ from topple.robots.arm.srdf import Group, Semantics
 from topple.robots.arm.tolerances import SERIES
 from topple.robots.arm.tree import Edge, Tree
 from topple.robots.arm.urdf import DRIVABLE
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from topple.robots.arm.tolerances import MOST_NAMED
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
-from topple.topology.tolerances import FARTHEST
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import FARTHEST
 
 
 def number(text: str | None, default: float | None, where: str) -> float:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.robots.arm.tolerances import CUP_FRICTION
-from topple.topology.arrays import FloatArray
-from topple.topology.values import Word
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.values import Word
 
 
 class ToolName(Word):

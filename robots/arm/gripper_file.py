@@ -12,8 +12,8 @@ import numpy as np
 from topple.robots.arm.elements import pose_from_xyz_rpy
 from topple.robots.arm.tolerances import CUP_FRICTION, MOST_BYTES
 from topple.robots.arm.urdf import Model
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import opened
 
 EXAMPLE = (

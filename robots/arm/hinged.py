@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.tolerances import BESIDE
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

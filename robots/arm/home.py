@@ -22,7 +22,7 @@ from topple.robots.arm.tolerances import (
     USUAL_REACH,
 )
 from topple.robots.collision.separation import Candidates, Frames, gaps
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, frozen
 
 
 def home_of(arm: Arm, tool: str | None) -> FloatArray:

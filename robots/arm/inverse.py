@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.robots.arm.kinematics import Chain, rotation_vectors
 from topple.robots.arm.tolerances import FULL_DOF
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)

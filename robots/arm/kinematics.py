@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.robots.arm.tolerances import ROUNDING
 from topple.robots.arm.urdf import Joint
-from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from topple.robots.arm.shapes import find_mesh
 from topple.robots.arm.tolerances import DENSITY, EFFORT, SPEED, TORQUE, TURNING
 from topple.robots.arm.urdf import Model, model_of
 from topple.robots.collision.convex import hull_of
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.geometry.rigid import transformed
 
 SHOWN = (".obj", ".stl", ".dae")  # visual meshes that PyBullet draws

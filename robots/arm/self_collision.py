@@ -8,7 +8,7 @@ import numpy as np
 from topple.robots.arm.kinematics import Chain
 from topple.robots.arm.tolerances import ALWAYS, NEAR, SAMPLES
 from topple.robots.collision.separation import Candidates, ConvexSets, Frames, gaps
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 
 
 def colliding_pairs(

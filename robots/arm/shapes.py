@@ -14,8 +14,8 @@ import numpy as np
 from topple.robots.arm.elements import number, numbers
 from topple.robots.arm.tolerances import CYLINDER_SIDES, LONGEST, LONGEST_MESH
 from topple.robots.collision.pieces import convex_pieces
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, NotInstalled
 from topple.topology.io.geometry import as_read
 
 PACKAGE = "package://"

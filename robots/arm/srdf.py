@@ -11,7 +11,7 @@ from pathlib import Path
 
 from topple.robots.arm.elements import number
 from topple.robots.arm.urdf import xml_root
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 PLACES = (".", "srdf", "config", "../srdf", "../config")  # from the URDF's folder
 

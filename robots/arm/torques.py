@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.tolerances import GRAVITY
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 class Strain(NamedTuple):

@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 @dataclass(frozen=True)

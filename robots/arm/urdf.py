@@ -20,8 +20,8 @@ from topple.robots.arm.shapes import geometry_parts, missing_meshes
 from topple.robots.arm.tolerances import FULL_TURN, LIKELY_DEGREES, LONGEST, MOST_BODIES
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.tolerances import FINE, GAIN
-from topple.topology.arrays import FloatArray, frozen
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.limits import read_bytes
 

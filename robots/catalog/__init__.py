@@ -16,10 +16,10 @@ from topple.robots.catalog.described import DESCRIPTIONS, described
 from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, suggestion
-from topple.topology.plugins import Table
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, suggestion
+from topple.topology.base.plugins import Table
 
 ROBOTS: Table[Callable[[], Arm]] = Table(
     "topple.robots",

@@ -3,7 +3,7 @@
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
-from topple.topology.errors import NotInstalled
+from topple.topology.base.errors import NotInstalled
 
 ROBOSUITE = "robosuite", "robosuite/models/assets/bullet_data/panda_description/urdf/panda_arm_hand.urdf"
 """A distribution for every Python, and the Panda in it: links, joints and meshes are those of PyBullet's."""

@@ -41,7 +41,7 @@ from topple.robots.hands.jaws import measured_jaw
 from topple.robots.hands.mounted import WSG50, flange_of, mount
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
 from topple.robots.hands.tolerances import FORCE
-from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.base.errors import InvalidInput, ToppleError
 
 
 def arm_from_file(

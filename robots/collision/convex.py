@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.collision.tolerances import REDUCTION
-from topple.topology.arrays import FloatArray, IntArray, frozen, rounded
+from topple.topology.base.arrays import FloatArray, IntArray, frozen, rounded
 
 
 def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:

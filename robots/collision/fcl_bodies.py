@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from topple.robots.collision.convex import hull_of
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def fcl_convex(points: FloatArray) -> Any:

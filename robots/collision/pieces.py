@@ -13,7 +13,7 @@ import numpy as np
 
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.tolerances import GAIN, IN_PLANE, MOST, PLACES, SAMPLE
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.sides import hull_volume
 
 

@@ -15,7 +15,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from topple.robots.tolerances import TOLERANCES
-from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.geometry.sides import beyond, sides_of
 
 REMEMBERED = 256  # bodies: some kilobytes each

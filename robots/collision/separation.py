@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from topple.robots.collision.convex import bounding_sphere, padded, reduced
 from topple.robots.collision.tolerances import ROUNDING
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 
 Float32Array = NDArray[np.float32]
 

@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @runtime_checkable

@@ -6,14 +6,14 @@ from contextvars import ContextVar
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
     from topple.robots.driver import Fixture
     from topple.robots.world.acting_arm import ActingArm
     from topple.robots.world.physical_world import PhysicalWorld
-    from topple.topology.arrays import FloatArray
+    from topple.topology.base.arrays import FloatArray
 
 __all__ = [
     "BULLET", "DEFAULT_ENGINE", "ENGINES", "INSTALLED", "MUJOCO",

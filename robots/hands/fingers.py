@@ -7,7 +7,7 @@ from topple.robots.arm.elements import first_of
 from topple.robots.arm.tolerances import SERIES
 from topple.robots.arm.urdf import Joint, Model
 from topple.robots.hands.tolerances import LONGEST_STROKE
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from topple.robots.hands.tolerances import (
     STRONGEST,
     WIDEST_TURN,
 )
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
 
 

@@ -29,8 +29,8 @@ from topple.robots.hands.tolerances import (
     USUAL_PAD,
 )
 from topple.robots.poses import inverse
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 
 

@@ -13,7 +13,7 @@ from topple.robots.arm.shapes import find_mesh
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.hands.wsg50 import wsg50_xml
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 WSG50 = "wsg50"
 FLANGE = "tool0"

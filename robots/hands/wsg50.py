@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from topple.robots.arm.gripper import ParallelJaw, Tool, ToolName, ToolState
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 PALM = "wsg50_palm"
 FINGERS = ("wsg50_left_finger", "wsg50_right_finger")

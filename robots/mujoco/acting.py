@@ -15,8 +15,8 @@ from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
 
 
 @checked_arguments

@@ -3,7 +3,7 @@
 from importlib.util import find_spec
 from typing import Any
 
-from topple.topology.errors import NotInstalled
+from topple.topology.base.errors import NotInstalled
 
 if find_spec("mujoco") is None:
     raise NotInstalled("this engine is MuJoCo", "mujoco")

@@ -14,7 +14,7 @@ from topple.robots.poses import position_and_quaternion
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import Physics, principal_axes
 from topple.robots.world.tolerances import FRICTION
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 SEEN, TOUCHING, FLOOR = 2, 3, 4
 """Groups of shapes: what cameras see, what collides, and the floor, which does but is not seen."""

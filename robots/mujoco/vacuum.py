@@ -5,7 +5,7 @@ import numpy as np
 from topple.robots.arm.gripper import SuctionCup
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.world.vacuum import Vacuum, lip_rays, sealed_on
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 class MujocoVacuum(Vacuum):

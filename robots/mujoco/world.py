@@ -15,8 +15,8 @@ from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.physical_world import Constraint, Contact, PhysicalWorld, Physics
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 
 
 class MujocoWorld(PhysicalWorld):

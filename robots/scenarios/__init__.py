@@ -16,7 +16,7 @@ from topple.robots.scenarios.set_table import set_table
 from topple.robots.scenarios.sort import sort
 from topple.robots.scenarios.swap import swap
 from topple.robots.scenarios.tower import tower
-from topple.topology.plugins import Table
+from topple.topology.base.plugins import Table
 
 SCENARIOS: Table[Callable[[int], Scenario]] = Table(
     "topple.scenarios",

@@ -7,7 +7,7 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, overlap, pose_at
 from topple.robots.scenarios.tolerances import RIM
 from topple.robots.shapes import can, fork, plate, spoon
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 CUTLERY = ("spoon_1", "spoon_2", "fork")
 

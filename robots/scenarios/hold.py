@@ -12,7 +12,7 @@ from topple.robots.shapes import bowl, box, can
 from topple.robots.shapes.materials import CARD, WOOD
 from topple.robots.world.bodies import Color
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 PAINT: dict[str, Color] = {
     "left": (0.8, 0.35, 0.2, 1.0),

@@ -8,7 +8,7 @@ from topple.robots.scenarios.tolerances import HAND_BETWEEN
 from topple.robots.shapes import box, can, tray
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 TRAY = (0.34, 0.24, 0.03)  # [m]
 FLAT = (0.14, 0.065, 0.035)  # [m] a carton of tea, lying

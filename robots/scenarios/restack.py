@@ -8,7 +8,7 @@ from topple.robots.scenarios.tower import COLORS, SIDE
 from topple.robots.shapes import block
 from topple.robots.world.bodies import Color
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 BLOCKS: dict[str, Color] = {**COLORS, "white": (0.9, 0.9, 0.88, 1.0)}
 APART = (0.16, 0.22)  # [m] between the towers: a hand goes between them

@@ -13,9 +13,9 @@ from topple.robots.scenarios.tolerances import ATTEMPTS, CREEP, OVERLAP, REACHED
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import ToppleError
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import ToppleError
 
 TABLE = (1.4, 1.2)  # [m] the robot stands on it too
 TABLE_CENTRE = (-0.05, 0.0)

@@ -7,7 +7,7 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, lay, pose_at, to
 from topple.robots.scenarios.tolerances import RIM
 from topple.robots.shapes import bowl, fork, mug, plate, spoon
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 WELL = 0.0065  # [m] height of what lies in the plate
 BESIDE = 0.045  # [m] from the plate's edge to the cutlery: a hand gets down between them

@@ -9,7 +9,7 @@ from topple.robots.scenarios.scenario import Scenario, lay, pose_at, to_copy
 from topple.robots.shapes import box, can, mug
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 THINGS = (
     lambda: box("box", (0.10, 0.06, 0.08), color=(0.30, 0.50, 0.72, 1.0)),

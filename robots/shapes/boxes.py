@@ -7,7 +7,7 @@ import numpy as np
 from topple.robots.shapes.materials import CARD, FOOD, WOOD
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
 from topple.robots.world.bodies import Body, Color
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 CARDBOARD: Color = (0.75, 0.6, 0.4, 1.0)
 TIN: Color = (0.6, 0.15, 0.15, 1.0)

@@ -6,8 +6,8 @@ import numpy as np
 
 from topple.robots.shapes.materials import STEEL
 from topple.robots.world.bodies import Body, Color
-from topple.topology.arrays import BoolArray, FloatArray
-from topple.topology.mesh import Mesh
+from topple.topology.base.arrays import BoolArray, FloatArray
+from topple.topology.scene.mesh import Mesh
 
 SILVER: Color = (0.72, 0.72, 0.76, 1.0)
 

@@ -7,7 +7,7 @@ import numpy as np
 from topple.robots.shapes.materials import FRUIT
 from topple.robots.shapes.vessel import circle, closed_surface, rings
 from topple.robots.world.bodies import Body, Color
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 SIDES = 18  # of every circle: a 7 cm orange is round within 0.6 mm
 

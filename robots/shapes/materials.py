@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from topple.robots.world.bodies import Body, Color
-from topple.topology.arrays import FloatArray
-from topple.topology.mesh import Mesh
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.mesh import Mesh
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from topple.robots.shapes.materials import FOOD
 from topple.robots.shapes.vessel import circle, closed_surface, rings
 from topple.robots.world.bodies import Body, Color
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 MUSTARD: Color = (0.95, 0.78, 0.1, 1.0)
 NAVY: Color = (0.2, 0.25, 0.55, 1.0)

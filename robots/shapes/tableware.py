@@ -5,8 +5,8 @@ import numpy as np
 from topple.robots.shapes.materials import STONEWARE
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
 from topple.robots.world.bodies import Body, Color, joined
-from topple.topology.arrays import FloatArray
-from topple.topology.mesh import Mesh
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.mesh import Mesh
 
 WHITE: Color = (0.93, 0.92, 0.88, 1.0)
 BLUE: Color = (0.35, 0.5, 0.75, 1.0)

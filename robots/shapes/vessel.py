@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
-from topple.topology.mesh import Mesh
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.mesh import Mesh
 
 
 def circle(sides: int) -> FloatArray:

@@ -17,8 +17,8 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.touch import Touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
-from topple.topology.arrays import FloatArray, rounded
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, rounded
+from topple.topology.base.errors import InvalidInput
 
 
 class ActingArm(ABC):

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from topple.robots.collision.convex import hull_of
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import FRICTION, ROLLING
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray, IntArray, frozen, rounded
-from topple.topology.checks import as_name, as_points
-from topple.topology.errors import InvalidInput
-from topple.topology.mesh import Mesh
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray, IntArray, frozen, rounded
+from topple.topology.base.checks import as_name, as_points
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.mesh import Mesh
 from topple.topology.statics.tolerances import DENSITY
 
 Color = tuple[float, float, float, float]

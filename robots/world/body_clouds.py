@@ -21,7 +21,7 @@ from topple.robots.world.tolerances import (
     STRAYS,
     WALL,
 )
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes

@@ -10,7 +10,7 @@ from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world.tolerances import CONSTRAINT_ERP
 from topple.robots.world.vacuum import Vacuum, lip_rays, sealed_on
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 class BulletVacuum(Vacuum):

@@ -10,12 +10,12 @@ from scipy import ndimage
 from topple.robots.poses import looking_at
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import MASKS_MISSING
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.checks import as_intrinsics, as_pose
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.matter import MATTER
-from topple.topology.checks import as_intrinsics, as_pose
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
+from topple.topology.views.image import DepthImage
 
 Rendered = tuple[FloatArray, IntArray, NDArray[np.uint8]]
 """Exact depth (H, W) in [m], 0 where nothing is; numbers of bodies (H, W), those of no body where nothing is;

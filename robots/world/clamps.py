@@ -5,7 +5,7 @@ from collections.abc import Collection
 from typing import Generic, TypeVar
 
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.errors import UnknownObject
+from topple.topology.base.errors import UnknownObject
 
 Grip = TypeVar("Grip")
 """What an engine needs to let go of a body again."""

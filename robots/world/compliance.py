@@ -7,7 +7,7 @@ import numpy as np
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import angle_between, inverse
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass

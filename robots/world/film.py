@@ -9,7 +9,7 @@ from typing import Any
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.tolerances import BACK
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.errors import InvalidInput, NotInstalled
 
 RATE = 12  # pictures a second of simulated time: motion is smooth, and drawing stays a small part of a run
 SIZE = (480, 360)  # [pixels]

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from topple.robots.engine import pybullet
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import AROUND, CELLS, DEEPEST, LARGEST, STEP
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.scene import Scene
-from topple.topology.statics.matter import ROUGHEST
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.scene.friction import ROUGHEST
+from topple.topology.scene.scene import Scene
 
 RAYS = 16_000  # a call: PyBullet takes at most 16384
 NAMELESS = frozenset(("", "baseLink", "base_link", "base", "link0"))  # what anything is called

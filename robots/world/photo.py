@@ -11,9 +11,9 @@ from scipy.ndimage import gaussian_filter
 from topple.robots.poses import inverse
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
-from topple.topology.photo import Photo
+from topple.topology.views.image import Photo
 
 SIZE = (800, 600)
 """Width and height [px]: half a page, at two pixels to one of the page on most screens."""

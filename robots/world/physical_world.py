@@ -11,8 +11,8 @@ from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.tolerances import TABLE_FRICTION, THICKNESS
-from topple.topology.arrays import FloatArray, rounded
-from topple.topology.errors import UnknownObject
+from topple.topology.base.arrays import FloatArray, rounded
+from topple.topology.base.errors import UnknownObject
 from topple.topology.geometry.rigid import transformed
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.physical_world import Constraint
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
 
 RATE = 60.0  # samples a second of simulated time: enough for a smooth picture, and to tell a fall from a jump
 

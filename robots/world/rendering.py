@@ -7,7 +7,7 @@ import numpy as np
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse
 from topple.robots.world.camera import Camera, Rendered
-from topple.topology.arrays import rounded
+from topple.topology.base.arrays import rounded
 
 
 def rendered(camera: Camera, client: int) -> Rendered:

@@ -17,8 +17,8 @@ from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
 from topple.robots.world.wrist import TorqueNoise, Wrist
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
 
 
 @checked_arguments

@@ -9,7 +9,7 @@ from topple.robots.arm.gripper import SuctionCup, lip_plane, vacuum_load
 from topple.robots.poses import inverse
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import AT_LIMIT, CLEAR, PEEL_STEPS, RAYS, REACH, TILT
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
 
 

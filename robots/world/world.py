@@ -21,9 +21,9 @@ from topple.robots.world.physical_world import (
     principal_axes,
 )
 from topple.robots.world.rendering import rendered
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.world.tolerances import WEAK
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import numpy as np
 
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
+from topple.topology.base.arrays import FloatArray
+from topple.topology.views.image import DepthImage
 
 
 def _beside_the_fingers() -> FloatArray:

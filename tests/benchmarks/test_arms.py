@@ -11,7 +11,7 @@ from topple.benchmarks.arms import BARE, BEGIN, END, SHIPPED, Shipped, _together
 from topple.planner.execution.examine import examine
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.torques import springs
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.errors import InvalidInput, NotInstalled
 
 PAGE = (Path(__file__).parents[2] / "docs" / "robots.md").read_text(encoding="utf-8")
 ROWS = PAGE[PAGE.index(BEGIN) : PAGE.index(END)].splitlines()[3:]

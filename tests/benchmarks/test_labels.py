@@ -9,7 +9,7 @@ import pytest
 from topple.benchmarks.guesses import Guess
 from topple.benchmarks.labels import read_truth
 from topple.benchmarks.scores import judged
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 STACK = {("3", "1"), ("3", "2"), ("2", "1")}
 """The third object lies on the second, that on the first; a fourth stands alone."""

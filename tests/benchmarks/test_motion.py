@@ -13,7 +13,7 @@ from topple.benchmarks.peers import PEERS, answers, python_of
 from topple.benchmarks.peers.handover import handed_over
 from topple.planner.motion.shortcut import densely
 from topple.robots.catalog import robot
-from topple.topology.errors import ToppleError
+from topple.topology.base.errors import ToppleError
 
 
 def test_the_baseline_checker_gives_the_same_answers() -> None:

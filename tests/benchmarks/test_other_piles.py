@@ -8,7 +8,7 @@ import pytest
 
 from topple.benchmarks.other_piles import LONGEST, SHAPES, models_in, other_pile
 from topple.robots.world.bodies import Body
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 def _model(folder: Path, half: float, mass: float) -> None:

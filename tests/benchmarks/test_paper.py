@@ -17,7 +17,7 @@ from topple.benchmarks.paper.things import Things
 from topple.robots.scenarios.scenario import Unlucky
 from topple.robots.world.bodies import Body
 from topple.topology.io import load_scene
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 TRIED = 3_000  # a family of variants of the tests' own

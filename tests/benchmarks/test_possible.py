@@ -7,7 +7,7 @@ from topple.benchmarks.possible import freeing_order
 from topple.robots.poses import pose_from
 from topple.robots.shapes import box
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def _at(x: float, z: float, lean: float = 0.0) -> FloatArray:

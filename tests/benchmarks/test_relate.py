@@ -1,7 +1,7 @@
 """The bench of relations, where it is short enough."""
 
 from topple.benchmarks.relate import Extent, _crowds
-from topple.topology.relations import MOST_OBJECTS
+from topple.topology.relations.relate import MOST_OBJECTS
 
 
 def test_more_objects_than_a_scene_may_have_unasked_are_measured() -> None:

@@ -16,7 +16,7 @@ from topple.benchmarks.faults.inject import FAULTS, Fault, FaultCount, Run
 from topple.benchmarks.reliability import _share, rows
 from topple.benchmarks.row import Row
 from topple.robots.engine import pybullet
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 ORPHAN = (
     "import subprocess, time\n"

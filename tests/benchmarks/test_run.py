@@ -18,9 +18,9 @@ from topple.benchmarks.series import QUICK, Series
 from topple.benchmarks.versions import code_key, commit_now
 from topple.planner.decide.beliefs import Beliefs
 from topple.robots.scenarios import SCENARIOS, scenario_called
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 def _box(x: float, z: float, height: float, rng: np.random.Generator) -> np.ndarray:

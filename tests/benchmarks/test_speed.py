@@ -10,7 +10,7 @@ from topple.benchmarks.clouds import brick_wall, stacks_of_four
 from topple.benchmarks.speed import Trees, exponent
 from topple.benchmarks.versions import commit_now
 from topple.planner.planning.order import order
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 in_checkout = pytest.mark.skipif(commit_now() is None, reason="this is no checkout: there are no commits")
 

@@ -8,8 +8,8 @@ from topple.planner.grasp.suction import cup_shape
 from topple.planner.stability.check import check
 from topple.robots.catalog import robot
 from topple.robots.collision.convex import hull_of
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
 
 
 @pytest.mark.parametrize("name", SCENES)

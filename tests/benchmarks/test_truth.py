@@ -24,7 +24,7 @@ from topple.benchmarks.truth.planted import CHANGES, planted
 from topple.benchmarks.truth.resting import RestingScene
 from topple.benchmarks.truth.views import VIEWS, seen
 from topple.benchmarks.versions import ROOT, Version, commit_now, of_commit, today
-from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.base.errors import InvalidInput, ToppleError
 
 in_checkout = pytest.mark.skipif(commit_now() is None, reason="this is no checkout: there are no commits")
 

@@ -14,7 +14,7 @@ from topple.benchmarks.truth.resting import RestingScene
 from topple.benchmarks.truth.views import VIEWS, seen
 from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 def test_what_stands_on_what_is_lifted_has_to_go_first(stack: RestingScene) -> None:

@@ -4,7 +4,7 @@ import pytest
 from PIL import Image
 
 from topple.benchmarks.wrong import EXAMPLES, Example, shown
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 def test_a_picture_shows_the_pile_before_during_and_after_a_lift(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from topple.planner.planning.order import order
 from topple.topology import InvalidInput, Scene, relate
-from topple.topology.arrays import FloatArray
-from topple.topology.rule.tolerances import MOST_OBJECTS
+from topple.topology.base.arrays import FloatArray
+from topple.topology.relations.tolerances import MOST_OBJECTS
 from topple.topology.sixim.plain import plain_relations
 
 SECONDS = 5.0  # of processor; a room takes below one

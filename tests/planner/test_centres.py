@@ -18,8 +18,8 @@ from topple.robots import scene_from_world, shapes
 from topple.robots.catalog import robot
 from topple.robots.world.bodies import Body
 from topple.robots.world.world import World
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.rest import Statics
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -7,8 +7,8 @@ from topple.planner.planning.plan import plan
 from topple.planner.transfer.transfer import plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 ARM = robot("panda")
 BASE = np.eye(4)

@@ -10,7 +10,7 @@ from topple.planner import order
 from topple.planner.simulate.lifts import Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
 from topple.robots import scene_from_world
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.rest import Statics
 
 Size = tuple[float, float, float]

@@ -11,8 +11,8 @@ from topple.planner.execution.run import run
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
 from topple.robots.catalog import data_path, robot
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 PANDA = data_path() / "franka_panda" / "panda.urdf"
 CUP = 'cup = {link = "tool0", offset = [0, 0, 0.1], radius = 0.015}'

@@ -18,10 +18,10 @@ from topple.planner.grasp.rank import rank_grasps
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.robots.shapes.boxes import box
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.relations import Relations, relate
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.relations.relate import Relations, relate
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 def down(x: float, y: float, z: float, turn: float = 0.0) -> np.ndarray:

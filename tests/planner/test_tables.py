@@ -12,10 +12,10 @@ import trimesh
 from topple.planner import NoSafePlan, order, plan, run
 from topple.robots import scene_from_world
 from topple.robots.catalog import robot
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import hidden_depth, solids_of
-from topple.topology.errors import InvalidInput
 from topple.topology.io.load import load_scene
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 TAKEN = [("top", "remove"), ("low", "free")]

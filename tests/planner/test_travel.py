@@ -19,7 +19,7 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology import DepthImage, Hull, InvalidInput, Mesh, Scene, relate
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 BASE = np.eye(4)
 BASE[0, 3] = -0.5

@@ -12,9 +12,9 @@ from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.fruit import plum
 from topple.robots.shapes.tableware import mug
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import UnknownObject
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import UnknownObject
+from topple.topology.scene.scene import Scene
 
 ARM = robot("panda")
 BASE = np.eye(4)

@@ -24,10 +24,10 @@ from topple.planner.planning.step import ORDERERS
 from topple.robots.catalog import ROBOTS, names, robot
 from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.topology import InvalidInput, load_scene
+from topple.topology.base.plugins import Table
 from topple.topology.io.load import READERS
-from topple.topology.plugins import Table
-from topple.topology.relations import RULES, relate, relate_all
-from topple.topology.scene import Scene
+from topple.topology.relations.relate import RULES, relate, relate_all
+from topple.topology.scene.scene import Scene
 
 if sys.version_info >= (3, 11):
     import tomllib

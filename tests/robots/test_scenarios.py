@@ -9,8 +9,8 @@ from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.robots.scenarios.scenario import BASE, touching
 from topple.robots.scenarios.tolerances import LEANS
 from topple.robots.world.simulated_arm import SimulatedArm
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
-from topple.topology.relations import Relations
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.relations.relate import Relations
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 UP = np.array([0.0, 0.0, 1.0])
 EYES = np.array([[0.55, -0.25, 0.6], [-0.45, -0.35, 0.65], [0.05, 0.6, 0.55]])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from topple.topology.arrays import bounds, lengths, middle_of, sum_of_rows, within_corners
+from topple.topology.base.arrays import bounds, lengths, middle_of, sum_of_rows, within_corners
 
 
 @pytest.mark.parametrize("size", [2, 3])

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.topology import InvalidInput, Scene, Situation, UnknownObject, load_scene
-from topple.topology.frame import enlarged, in_frame
+from topple.topology.scene.frame import enlarged, in_frame
 from topple.topology.statics.rest import Statics
 
 AXIS = np.linspace(-0.5, 0.5, 60)

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from topple.topology.cloud import clean, estimate_deviation, noise_and_spacing
 from topple.topology.geometry.thin import thinned
+from topple.topology.scene.cloud import clean, estimate_deviation, noise_and_spacing
 
 
 def plate(rng, noise, count=3000):

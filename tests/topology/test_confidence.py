@@ -5,10 +5,10 @@ from importlib.resources import files
 
 import pytest
 
-from topple.topology.confidence import EDGES, RISING, Evidence, bin_of, confidence
+from topple.topology.sixim.confidence import EDGES, RISING, Evidence, bin_of, confidence
 
 VIEWS = {"whole": 0, "one": 1, "several": 3}
-COUNTED = json.loads(files("topple.topology").joinpath("confidence.json").read_text(encoding="utf-8"))[
+COUNTED = json.loads(files("topple.topology.sixim").joinpath("confidence.json").read_text(encoding="utf-8"))[
     "counted"
 ]
 

@@ -7,9 +7,9 @@ from topple.robots import shapes
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 UP = (0.0, 0.0, 1.0)

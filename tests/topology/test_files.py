@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from topple.topology import files
-from topple.topology.errors import InvalidInput
-from topple.topology.files import check_writable, write_all, write_whole
+from topple.topology.base import files
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.files import check_writable, write_all, write_whole
 
 
 def test_text_and_bytes_are_written_and_nothing_else_is_left(tmp_path: Path) -> None:

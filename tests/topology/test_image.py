@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
+from topple.topology.base.errors import InvalidInput
+from topple.topology.views.image import DepthImage
 
 K = np.array([[500.0, 0.0, 31.5], [0.0, 510.0, 23.5], [0.0, 0.0, 1.0]])
 DEPTH = np.full((48, 64), 0.8)

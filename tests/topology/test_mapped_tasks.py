@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from topple.topology.errors import InvalidInput
-from topple.topology.workers import AHEAD, Lost, WorkerLost, WorkerPool, all_of, mapped
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.workers import AHEAD, Lost, WorkerLost, WorkerPool, all_of, mapped
 
 SQUARES = [number * number for number in range(8)]
 

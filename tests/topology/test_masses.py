@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from topple.topology import Scene, relate
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
-from topple.topology.scene_tolerances import FRICTION
-from topple.topology.situation import Situation
+from topple.topology.scene.friction import friction_between
+from topple.topology.scene.tolerances import FRICTION
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.equilibrium import Weight, balance
-from topple.topology.statics.matter import friction_between
 from topple.topology.statics.rest import Statics, weigh
 
 CUBE = np.random.default_rng(0).random((200, 3)) * 0.1

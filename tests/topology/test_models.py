@@ -13,12 +13,12 @@ from topple.planner.cli.main import main
 from topple.robots import Camera, World, shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology import ModelFit, load_scene, with_models
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.frame import in_frame
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.io.models import meant_by, model_files
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.relations.relate import relate
+from topple.topology.scene.frame import in_frame
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "data"
 

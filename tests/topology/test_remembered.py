@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.remembered import remembered
+from topple.topology.base.remembered import remembered
 
 
 def test_arrays_count_by_their_numbers_and_the_longest_unused_answer_goes_first() -> None:

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.image import DepthImage
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 CUBE = np.array([[x, y, z] for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (0.0, 0.1)])
 FLAT = np.stack(

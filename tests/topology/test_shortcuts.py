@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from topple.topology.base.tolerances import TOLERANCES
 from topple.topology.geometry.hull import Hull
-from topple.topology.relations import relate
-from topple.topology.rule.cavity import roofed, surrounded
-from topple.topology.rule.surface import SurfaceCloud
-from topple.topology.scene import Scene
+from topple.topology.relations.cavity import roofed, surrounded
+from topple.topology.relations.relate import relate
+from topple.topology.relations.surface import SurfaceCloud
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation, classify
-from topple.topology.tolerances import TOLERANCES
 
 DEVIATION = 0.002
 KINDS = ("ball", "ball", "box", "box", "box", "can", "can", "bowl", "bowl", "sheet", "rod", "place")

@@ -15,7 +15,7 @@ from topple.planner.decide.dependency import dependencies
 from topple.robots.scenarios import scenario_called
 from topple.robots.shapes import bowl, box, plate, spoon
 from topple.topology import InvalidInput, Relation, Relations, Scene, UnknownObject, relate
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.sweep import overlap
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -10,7 +10,7 @@ import pytest
 
 POOL = """
 import os, time
-from topple.topology.workers import WorkerPool
+from topple.topology.base.workers import WorkerPool
 if __name__ == "__main__":
     pool = WorkerPool(2)
     print(*{pool.submit(os.getpid).result() for _ in range(2)}, flush=True)
@@ -19,7 +19,7 @@ if __name__ == "__main__":
 """
 FORKS = """
 import multiprocessing, os, time
-from topple.topology.workers import serve
+from topple.topology.base.workers import serve
 def work():
     serve()
     os.write(1, b"%d\\n" % os.getpid())  # in one piece: the other one writes at the same time
@@ -62,7 +62,7 @@ def test_workers_leave_when_their_parent_is_killed(tmp_path: object, program: st
 
 INTERRUPTED = """
 import os, time
-from topple.topology.workers import WorkerPool
+from topple.topology.base.workers import WorkerPool
 if __name__ == "__main__":
     try:
         with WorkerPool(1) as pool:

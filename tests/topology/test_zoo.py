@@ -6,9 +6,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from topple.topology.pair import PairRelation
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
+from topple.topology.sixim.pair import PairRelation
 from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation, classify, converse_matrix
 
 UP = (0.0, 0.0, 1.0)

@@ -7,7 +7,9 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, QhullError
 
-from topple.topology.arrays import FloatArray, bounds, lengths
+from topple.topology.base.arrays import FloatArray, bounds, lengths
+from topple.topology.base.remembered import remembered
+from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import (
     BARE,
     COMPLETE_CLOSED,
@@ -20,6 +22,7 @@ from topple.topology.bodies.tolerances import (
     ROUND_REFUTED,
     TILE,
 )
+from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import Fit, fits_of, flattest_side, round_body
@@ -27,9 +30,6 @@ from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
-from topple.topology.remembered import remembered
-from topple.topology.tolerances import VOXEL
-from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
 
 BLOCK = 1 << 16

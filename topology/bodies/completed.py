@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, hull_vertices
 from topple.topology.bodies.tolerances import BENT, COMPLETED_LEVEL, RAGGED, SPACING
 from topple.topology.geometry.axes import level_axes

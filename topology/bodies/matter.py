@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.bodies.tolerances import BRIDGED, PLATE_BACK, PLATE_FLAT, PLATE_STRAYS, PLATE_SUNK
-from topple.topology.scene_tolerances import LEAST_PLATE, MATTER_SPACING
+from topple.topology.scene.tolerances import LEAST_PLATE, MATTER_SPACING
 
 MATTER = "something without a name"
 """What messages and plans call it: it is in the way, and no object."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, lengths
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, lengths
 from topple.topology.bodies.tolerances import (
     AGAINST,
     ALIKE,
@@ -33,7 +33,7 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.model_fit import ModelFit
+from topple.topology.scene.model_fit import ModelFit
 
 Excluded = Callable[[FloatArray], BoolArray]
 """Which of (N, 3) places [m] no part of an object can be at: seen to be empty, or inside of what is fixed."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.bodies.tolerances import (
     FACE_SAMPLES,
     FRACTIONS,

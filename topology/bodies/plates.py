@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.tolerances import (
     AROUND,

@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import BoolArray, FloatArray, rounded
+from topple.topology.base.arrays import BoolArray, FloatArray, rounded
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import DEPTH_NOISE
 from topple.topology.bodies.matter import MATTER, plates_along
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.plates import plates_of
 from topple.topology.bodies.tolerances import BOARD, GRAIN, HOLLOW, SKIN, SKY, SLAB, SOLIDS_CELL
 from topple.topology.bodies.tops import Top, tops_of
-from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.pieces import pieces_of
 from topple.topology.geometry.rigid import transformed
@@ -21,9 +22,8 @@ from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import spacing_of, voxel_means
 from topple.topology.geometry.tolerances import LINKED, PLATES_FEWEST
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
-from topple.topology.scene_tolerances import MATTER_SPACING
-from topple.topology.tolerances import DEPTH_NOISE
+from topple.topology.scene.scene import Scene
+from topple.topology.scene.tolerances import MATTER_SPACING
 
 Solids = Mapping[str, Sequence[FloatArray]]
 """Per object the (V, 3) vertices of its convex parts, in the world [m]."""

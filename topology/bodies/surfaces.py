@@ -6,12 +6,12 @@ from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.complete import complete
+from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.outline import in_openings
-from topple.topology.scene import Scene
-from topple.topology.tolerances import VOXEL
-from topple.topology.upright import Upright
+from topple.topology.scene.scene import Scene
 from topple.topology.views.free_space import FreeSpace
 
 

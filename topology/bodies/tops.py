@@ -12,7 +12,9 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, distance_transform_edt
 from scipy.spatial import ConvexHull
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen, middle_of
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds, frozen, middle_of
+from topple.topology.base.remembered import remembered
+from topple.topology.base.tolerances import DEPTH_NOISE
 from topple.topology.bodies.tolerances import (
     FACES,
     FILLED,
@@ -43,9 +45,7 @@ from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.plane import fit_plane, plane_through
 from topple.topology.geometry.thin import spacing_of, voxel_means
 from topple.topology.geometry.tolerances import ENOUGH, PLATES_FEWEST
-from topple.topology.remembered import remembered
-from topple.topology.scene_tolerances import RISES
-from topple.topology.tolerances import DEPTH_NOISE
+from topple.topology.scene.tolerances import RISES
 
 REMEMBERED = 64  # clouds whose tops are kept
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, middle_of
+from topple.topology.base.arrays import FloatArray, middle_of
 from topple.topology.geometry.tolerances import ENOUGH
 
 

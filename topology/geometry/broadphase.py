@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 
 
 def near_pairs(lower: FloatArray, upper: FloatArray, reach: float) -> IntArray:

@@ -7,7 +7,7 @@ small sample of it.
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.geometry.gauge import Gauge
 
 SMALL = 8000

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 
 CELLS = 16
 """Grid cells along an edge of the cube: 1734 corners; on a ball of 4 cm the bound is off by 0.1 mm."""

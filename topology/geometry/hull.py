@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray, IntArray, bounds, frozen, frozen_int
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, IntArray, bounds, frozen, frozen_int
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import TOLERANCES
+from topple.topology.base.values import ByValue
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.extremes import without_inner_points
-from topple.topology.tolerances import TOLERANCES
-from topple.topology.values import ByValue
 
 BLOCK = 1 << 16
 """Numbers a distance table may hold at once (0.5 MB): it stays in a core's own cache for any cloud."""

@@ -7,7 +7,7 @@ crescent, but over the circle the crescent is part of.
 import numpy as np
 from scipy import ndimage
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds, lengths
+from topple.topology.base.arrays import BoolArray, FloatArray, bounds, lengths
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.sides import beyond, sides_of

@@ -1,6 +1,6 @@
 """What hangs together of points on surfaces."""
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.thin import spacing_of
 from topple.topology.geometry.tolerances import LINKED, PLATES_FEWEST, SPARSE
 from topple.topology.kernels.neighbours import PointTree

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.tolerances import DEPTH_NOISE
 from topple.topology.geometry.tolerances import DRAWS, ENOUGH, FLAT_SHARE, LEVEL, LEVEL_DRAWS
 from topple.topology.kernels.planes import patch_planes
-from topple.topology.tolerances import DEPTH_NOISE
 
 TABLE = "table"
 """Name of a table that was not given as an object."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def transformed(points: FloatArray, pose: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, lengths, middle_of
+from topple.topology.base.arrays import BoolArray, FloatArray, lengths, middle_of
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.tolerances import (
     BELOW_FLOOR,

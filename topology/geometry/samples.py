@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, frozen
 
 
 def sampled(solid: Sequence[FloatArray], spacing: float) -> FloatArray:

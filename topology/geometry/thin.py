@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray, IntArray, bounds
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray, IntArray, bounds
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.tolerances import BEFORE, ENOUGH, MANY
 from topple.topology.kernels.cells import cells_of
 from topple.topology.kernels.neighbours import PointTree

@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.arrays import FloatArray, bounds, middle_of, within_corners
-from topple.topology.bodies.background import hanging_together, table_among
-from topple.topology.checks import as_plane, as_points, as_viewpoints
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, bounds, middle_of, within_corners
+from topple.topology.base.checks import as_plane, as_points, as_viewpoints
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import TABLE as _TABLE
 from topple.topology.geometry.tolerances import ON_PLANE
-from topple.topology.image import DepthImage, said_of_images
 from topple.topology.io.tolerances import (
     FAR_SPACING,
     MOST_TABLE_POINTS,
@@ -25,8 +23,10 @@ from topple.topology.io.tolerances import (
     TABLE_SPACING,
     UNDER_SHARE,
 )
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.scene.background import hanging_together, table_among
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage, said_of_images
 
 
 @dataclass

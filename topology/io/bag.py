@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.labelled import parts_from_labelled

@@ -9,19 +9,19 @@ from typing import Any, cast
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_pose, numeric
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_pose, numeric
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import FARTHEST_DEPTH, FEWEST_SEEN
 from topple.topology.geometry.rigid import transformed
-from topple.topology.image import DepthImage, check_depth
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
 from topple.topology.io.limits import allowing_below, read_text
 from topple.topology.io.picture import read_picture
 from topple.topology.io.strict_json import read_json
-from topple.topology.mesh import Mesh
-from topple.topology.tolerances import FARTHEST_DEPTH, FEWEST_SEEN
+from topple.topology.scene.mesh import Mesh
+from topple.topology.views.image import DepthImage, check_depth
 
 _CAMERAS, _TRUTH = "scene_camera.json", "scene_gt.json"
 _MODELS = ("models", "models_cad", "models_fine", "models_reconst", "models_eval")

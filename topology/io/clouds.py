@@ -4,11 +4,11 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.strict_json import read_json
-from topple.topology.io.write import BY_NAME, OWN
+from topple.topology.scene.write import BY_NAME, OWN
 
 
 def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import BoolArray
-from topple.topology.checks import Names, numeric
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import BoolArray
+from topple.topology.base.checks import Names, numeric
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import free_name
 from topple.topology.io.rgbd import scene_from_rgbd
-from topple.topology.scene import Scene
-from topple.topology.values import free_name
+from topple.topology.scene.scene import Scene
 
 _ZERO, _BITS, _MORE, _SIGN = 48, 0x1F, 0x20, 0x10  # of a character of compressed run lengths
 

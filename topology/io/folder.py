@@ -7,9 +7,9 @@ from typing import Any, cast
 
 from numpy.typing import ArrayLike
 
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_name, as_points, as_pose
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_name, as_points, as_pose
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import SUFFIXES, read_geometry
@@ -17,7 +17,7 @@ from topple.topology.io.limits import check_place, read_text
 from topple.topology.io.strict_json import read_json
 from topple.topology.io.text import NOTES, TEXTS, no_cloud
 from topple.topology.io.tolerances import MOST_LISTED
-from topple.topology.mesh import Mesh
+from topple.topology.scene.mesh import Mesh
 
 _DESCRIPTION = "scene.json"
 _KEYS = (

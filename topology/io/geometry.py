@@ -9,9 +9,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.checks import as_points
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.checks import as_points
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import check_place, read_bytes
 from topple.topology.io.pcd import read_pcd
 from topple.topology.io.text import TEXTS, read_points

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from topple.topology.checks import numeric
-from topple.topology.errors import InvalidInput
+from topple.topology.base.checks import numeric
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.clouds import ignored
 from topple.topology.io.labels import NAMING, fixed_labels, label_names
-from topple.topology.io.write import SPECIAL
+from topple.topology.scene.write import SPECIAL
 
 
 def parts_from_labelled(arrays: Mapping[str, Array]) -> Parts:

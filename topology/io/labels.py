@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from topple.topology.arrays import IntArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import IntArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.clouds import names_in
 from topple.topology.io.tolerances import MOST_OBJECTS

@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.tolerances import MOST_BYTES
 
 _most: ContextVar[int] = ContextVar("_most", default=MOST_BYTES)

@@ -8,14 +8,14 @@ from typing import Annotated, Any, Protocol
 
 from numpy.typing import ArrayLike
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import Names, as_direction, as_names
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import Names, as_direction, as_names
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.plugins import Table, expected
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.limits import allowing
-from topple.topology.plugins import Table, expected
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 class Reader(Protocol):
@@ -114,7 +114,7 @@ def load_scene(
             )  # fmt: skip
             if models is None or isinstance(models, bool):
                 return scene
-            from topple.topology.models import with_models  # which few ask for
+            from topple.topology.io.known_models import with_models  # which few ask for
 
         with allowing(most_bytes, None if allow_outside else Path(models)):
             return with_models(scene, models)

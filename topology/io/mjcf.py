@@ -9,16 +9,16 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.checks import Names, as_names
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.checks import Names, as_names
+from topple.topology.base.errors import InvalidInput, NotInstalled
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.geometry import sampled_mesh
 from topple.topology.io.limits import allowing_below, read_bytes, read_text
 from topple.topology.io.tolerances import AROUND, ROUND_SIDES
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
 
 _DIRECTORIES = {"mesh": "meshdir", "hfield": "assetdir", "texture": "texturedir", "skin": "assetdir"}
 

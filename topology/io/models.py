@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.topology.arrays import lengths
+from topple.topology.base.arrays import lengths
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import LARGEST_HELD, NEIGHBOURS
 from topple.topology.bodies.model_registration import Model
-from topple.topology.errors import InvalidInput
 from topple.topology.io.geometry import SUFFIXES, Geometry, read_geometry, spread_over
 from topple.topology.io.text import TEXTS
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
-from topple.topology.tolerances import LARGEST_HELD, NEIGHBOURS
 
 _MESHES = ("mesh", "textured", "nontextured", "textured_simple", "model")
 """What the mesh in a model's own folder, or one below it as YCB's google_16k, is called, the best first."""

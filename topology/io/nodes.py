@@ -7,14 +7,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.checks import as_name, as_points
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.checks import as_name, as_points
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import as_read, check_obj, load_with_trimesh, sampled_mesh
 from topple.topology.io.tolerances import MOST_PIECES
-from topple.topology.mesh import Mesh
+from topple.topology.scene.mesh import Mesh
 
 _SUFFIXES = (".glb", ".obj")
 _Piece = tuple[FloatArray, IntArray]

@@ -7,18 +7,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import Names, as_names, as_points, as_pose
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import Names, as_names, as_points, as_pose
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.bag import labelled_points
 from topple.topology.io.geometry import Geometry, sampled_mesh
 from topple.topology.io.labelled import parts_from_labelled
 from topple.topology.io.pcd import LABELS
-from topple.topology.mesh import Mesh
-from topple.topology.scene import Scene
+from topple.topology.scene.mesh import Mesh
+from topple.topology.scene.scene import Scene
 
 EXPECTED = "points (N, 3), a record array with x, y, z, or an Open3D or trimesh cloud or mesh, in metres"
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, whole_numbers
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, whole_numbers
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import check_size, read_bytes
 from topple.topology.io.tolerances import VALUE_BYTES
 

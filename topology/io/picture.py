@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import check_size, read_bytes
 
 _FORMATS = ("PNG", "TIFF", "JPEG")

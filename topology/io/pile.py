@@ -3,7 +3,7 @@
 import zipfile
 from pathlib import Path
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import read_arrays
 from topple.topology.io.assemble import Parts
 from topple.topology.io.clouds import names_in

@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Any, cast
 
-from topple.topology.checks import as_name, as_points, as_pose
-from topple.topology.errors import InvalidInput
+from topple.topology.base.checks import as_name, as_points, as_pose
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
 from topple.topology.io.limits import allowing_below, read_text
 from topple.topology.io.strict_json import read_json
-from topple.topology.mesh import Mesh
+from topple.topology.scene.mesh import Mesh
 
 _EXPECTED = '[{"name": "mug", "mesh": "meshes/mug.obj", "pose": 4x4 object to world}, ...]'
 _KNOWN = ("up", "fixed", "viewpoints", "table_plane", "masses", "friction", "centres")

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.errors import InvalidInput, NotInstalled
 from topple.topology.io.limits import opened
 from topple.topology.io.tolerances import LONGEST_DEFINITION
 from topple.topology.io.unpack import bounded, check_chunks

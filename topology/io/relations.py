@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from topple.topology.errors import InvalidInput
-from topple.topology.pair import PairRelation
-from topple.topology.relation_table import FORMAT, FORMAT_VERSION, AnyTable, RelationTable
+from topple.topology.base.errors import InvalidInput
+from topple.topology.sixim.pair import PairRelation
+from topple.topology.sixim.relation_table import FORMAT, FORMAT_VERSION, AnyTable, RelationTable
 
 
 def deviation_of(document: Mapping[str, Any]) -> float | None:

@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.checks import Names, as_names, numeric
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage, check_depth
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.checks import Names, as_names, numeric
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import MASK_KEYS, STACK_KEY, Array
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.clouds import amounts_in, ignored
 from topple.topology.io.labels import NAMING, fixed_labels, label_names, label_of_stack
-from topple.topology.io.write import SPECIAL
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.scene.write import SPECIAL
+from topple.topology.views.image import DepthImage, check_depth
 
 _KEYS = ("depth", "K", "rgb", "pose_camera_to_world", "masses", "friction")
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray
-from topple.topology.checks import Names, as_names
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import Names, as_names
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.bag import frames, reads
@@ -19,7 +19,7 @@ from topple.topology.io.clouds import amounts_in
 from topple.topology.io.limits import allowing, check_place
 from topple.topology.io.load import load_scene
 from topple.topology.io.tolerances import FAR_OUT, TABLE_STEP, UNIT
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 _POINTS, _ROWS = "_xyz_01mm", "_offsets"
 

@@ -4,7 +4,7 @@ import json
 from math import isfinite
 from typing import Any
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import check_size
 from topple.topology.io.tolerances import VALUE_BYTES
 

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import FEWEST_SEEN
 from topple.topology.io.limits import check_size, opened, read_text
 from topple.topology.io.tolerances import EARLIEST, LINE_BYTES, LOOKED_AT, UNIT_ROW
-from topple.topology.tolerances import FEWEST_SEEN
 
 TEXTS = (".xyz", ".txt", ".csv", ".pts", ".asc")
 NOTES = "notes"

@@ -7,10 +7,10 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.tolerances import SHORTEST
+from topple.topology.views.image import DepthImage
 from topple.topology.views.tolerances import STEP
 
 

@@ -11,7 +11,7 @@ from functools import cache, partial
 from types import SimpleNamespace
 from typing import Any
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.limits import allowed, check_size
 
 _CHUNK = "a packed part of it"

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import MASK_KEYS, STACK_KEY, read_arrays
 from topple.topology.io.limits import allowing
 from topple.topology.io.rgbd import image_from_rgbd
+from topple.topology.views.image import DepthImage
 
 
 def read_view(path: str | os.PathLike[str], most_bytes: int | None = None) -> DepthImage:

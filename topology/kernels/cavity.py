@@ -9,7 +9,7 @@ from topple.topology.kernels.compiled import address, kernels
 from topple.topology.kernels.tolerances import LOOKED_ALONG
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import BoolArray, FloatArray
+    from topple.topology.base.arrays import BoolArray, FloatArray
 
 
 def walled(

@@ -8,7 +8,7 @@ import numpy as np
 from topple.topology.kernels.compiled import address, kernels
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import BoolArray, FloatArray, IntArray
+    from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import FloatArray
+    from topple.topology.base.arrays import FloatArray
 
     Samples = tuple[FloatArray, FloatArray]
 

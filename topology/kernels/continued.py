@@ -18,7 +18,7 @@ from topple.topology.kernels.tolerances import (
 )
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import BoolArray, FloatArray, IntArray
+    from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 _WAYS = np.array(AROUND, dtype=np.int64)
 

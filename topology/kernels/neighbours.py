@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from topple.topology.kernels.compiled import address, kernels
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import FloatArray, IntArray
+    from topple.topology.base.arrays import FloatArray, IntArray
 
 
 class PointTree:

@@ -7,7 +7,7 @@ import numpy as np
 from topple.topology.kernels.compiled import address, kernels
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import FloatArray, IntArray
+    from topple.topology.base.arrays import FloatArray, IntArray
 
 
 def outline_corners(flat: "FloatArray") -> "IntArray":

@@ -7,7 +7,7 @@ import numpy as np
 from topple.topology.kernels.compiled import address, kernels
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import IntArray
+    from topple.topology.base.arrays import IntArray
 
 
 def pieces_of_links(links: "IntArray", count: int) -> "IntArray":

@@ -7,7 +7,7 @@ import numpy as np
 from topple.topology.kernels.compiled import address, kernels
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import FloatArray
+    from topple.topology.base.arrays import FloatArray
 
 
 def patch_planes(patches: "FloatArray") -> "tuple[FloatArray, FloatArray, FloatArray]":

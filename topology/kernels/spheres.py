@@ -8,7 +8,7 @@ from topple.topology.kernels.compiled import address, kernels
 from topple.topology.kernels.tolerances import ROUNDS, STILL
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import FloatArray
+    from topple.topology.base.arrays import FloatArray
 
 
 def sphere_through(points: "FloatArray") -> "tuple[FloatArray, float] | None":

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.plane import fit_plane
-from topple.topology.image import DepthImage
 from topple.topology.merging.tolerances import TOLERANCES
+from topple.topology.views.image import DepthImage
 
 
 @dataclass(frozen=True, eq=False)

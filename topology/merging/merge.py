@@ -8,19 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
-from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray, IntArray, bounds
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray, IntArray, bounds
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import free_name
 from topple.topology.geometry.plane import TABLE, table_by_name
 from topple.topology.geometry.thin import cell_keys
-from topple.topology.image import DepthImage
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.merging.ground import Ground, ground_of
 from topple.topology.merging.register import Registration, register
 from topple.topology.merging.segments import outliers, segmented
 from topple.topology.merging.tolerances import TOLERANCES
-from topple.topology.scene import Scene
-from topple.topology.values import free_name
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 FORMAT, FORMAT_VERSION = "topple.scene", 1
 

@@ -13,14 +13,14 @@ from types import ModuleType
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, NotInstalled
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.image import DepthImage
 from topple.topology.merging.ground import Ground
 from topple.topology.merging.tolerances import MISPLACED, TOLERANCES
+from topple.topology.views.image import DepthImage
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.pieces import pieces_of_links
 from topple.topology.kernels.planes import patch_planes

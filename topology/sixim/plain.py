@@ -12,7 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.geometry.hull import Hull
 from topple.topology.sixim.table import Relation, classify
 

@@ -8,9 +8,9 @@ of empty and non-empty cells that two non-empty clouds can make matches exactly 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.arrays import IntArray
-from topple.topology.errors import InvalidInput
-from topple.topology.values import Word
+from topple.topology.base.arrays import IntArray
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import Word
 
 
 class Relation(Word):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.topology.arrays import (
+from topple.topology.base.arrays import (
     BoolArray,
     FloatArray,
     IntArray,
@@ -14,17 +14,17 @@ from topple.topology.arrays import (
     sum_of_rows,
     within_corners,
 )
+from topple.topology.base.remembered import remembered
+from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import KEPT_BODIES
+from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.remembered import remembered
-from topple.topology.scene_tolerances import FRICTION
+from topple.topology.scene.friction import friction_between
+from topple.topology.scene.tolerances import FRICTION
 from topple.topology.statics.grounds import Plane, planes_and_rest
-from topple.topology.statics.matter import friction_between
 from topple.topology.statics.tolerances import BELOW, KEPT_PAIRS, SOLE
-from topple.topology.tolerances import VOXEL
-from topple.topology.upright import Upright
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_array, csr_array
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 

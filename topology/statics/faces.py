@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.grounds import planes_and_rest
@@ -26,7 +27,6 @@ from topple.topology.statics.tolerances import (
     ROUND_FACE,
     SAME_FACE,
 )
-from topple.topology.upright import Upright
 
 
 @dataclass(frozen=True, eq=False)

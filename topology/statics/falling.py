@@ -16,7 +16,7 @@ from scipy.optimize import linprog
 from scipy.sparse import eye_array, hstack, kron
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, equations, islands, rising
 from topple.topology.statics.holding import Search, holds_besides, is_held

@@ -6,17 +6,17 @@ from operator import is_
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, bounds, sum_of_rows
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray, bounds, sum_of_rows
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import RIGID, VOXEL
+from topple.topology.base.values import FrozenDict
 from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.contact import Contact, find_contacts
 from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.statics.tolerances import ALONG, APART, BETTER, FAR_OFF, HANGING
-from topple.topology.tolerances import RIGID, VOXEL
-from topple.topology.values import FrozenDict
 
 _LEVEL = ("table", "ground", "floor")
 

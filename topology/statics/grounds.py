@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds, frozen, middle_of
+from topple.topology.base.arrays import BoolArray, FloatArray, bounds, frozen, middle_of
+from topple.topology.base.remembered import remembered
 from topple.topology.bodies.tolerances import KEPT_FRAMES
-from topple.topology.remembered import remembered
+from topple.topology.bodies.upright import Upright
 from topple.topology.statics.tolerances import EDGE, FLAT, MARGIN
-from topple.topology.upright import Upright
 
 
 @dataclass(frozen=True, eq=False)

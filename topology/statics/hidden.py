@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.base.arrays import FloatArray, bounds
+from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.tolerances import BEFORE
 from topple.topology.kernels.heights import heights_over
 from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.tolerances import CARRIED, DEEPEST, LEVEL, PLAN_CELL
-from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
 
 PRICE = 1.0 / DEEPEST

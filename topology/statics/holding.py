@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.sparse import csc_array
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, balance, demanded, force_columns, islands, rising
 from topple.topology.statics.tolerances import CONE_EDGES, STEPS

@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.axes import around, perpendiculars
 from topple.topology.geometry.samples import volume_and_centre
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.mesh import Mesh
+from topple.topology.scene.mesh import Mesh
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.tolerances import FACING, LIKE_NEAREST, NEAREST_WITHIN, ON_FACE, PATCH_CORNERS
 

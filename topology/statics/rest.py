@@ -6,17 +6,20 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds, middle_of
+from topple.topology.base.arrays import BoolArray, FloatArray, bounds, middle_of
+from topple.topology.base.remembered import remembered
+from topple.topology.base.tolerances import VOXEL
+from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.surfaces import surfaces_of
 from topple.topology.bodies.tolerances import KEPT_BODIES
+from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.geometry.tolerances import ENOUGH
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.relation_table import RelationTable
-from topple.topology.remembered import remembered
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.sixim.relation_table import RelationTable
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
 from topple.topology.statics.equilibrium import Weight, islands
@@ -34,9 +37,6 @@ from topple.topology.statics.tolerances import (
     UNSTEADY,
     WALL,
 )
-from topple.topology.tolerances import VOXEL
-from topple.topology.upright import Upright
-from topple.topology.values import FrozenDict
 from topple.topology.views.free_space import FreeSpace
 
 AROUND = around(12)

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from topple.topology.confidence import Evidence, confidence
-from topple.topology.relation_table import RelationTable
+from topple.topology.sixim.confidence import Evidence, confidence
+from topple.topology.sixim.relation_table import RelationTable
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.rest import Statics, within_reach

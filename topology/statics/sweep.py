@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from topple.topology.arrays import FloatArray, IntArray, bounds
+from topple.topology.base.arrays import FloatArray, IntArray, bounds
+from topple.topology.base.remembered import remembered
 from topple.topology.geometry.axes import around
 from topple.topology.kernels.heights import heights_over
-from topple.topology.remembered import remembered
 from topple.topology.statics.tolerances import CLEAR, KEPT_PAIRS, LIFT, PLACES, SWEEP_CELL
 
 DIRECTIONS = around(24)

@@ -7,10 +7,10 @@ from itertools import combinations, product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arrays import FloatArray, bounds
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
-from topple.topology.tolerances import FARTHEST_DEPTH
+from topple.topology.base.arrays import FloatArray, bounds
+from topple.topology.base.errors import InvalidInput
+from topple.topology.base.tolerances import FARTHEST_DEPTH
+from topple.topology.views.image import DepthImage
 from topple.topology.views.tolerances import (
     AGREEING,
     FAR_APART,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.kernels.continued import Pixels, continued
 from topple.topology.kernels.tolerances import (
     AROUND,

@@ -12,9 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, lengths
-from topple.topology.image import DepthImage
+from topple.topology.base.arrays import BoolArray, FloatArray, lengths
 from topple.topology.kernels.neighbours import PointTree
+from topple.topology.views.image import DepthImage
 from topple.topology.views.tolerances import MARGIN, WIDTH, WITNESSES
 
 

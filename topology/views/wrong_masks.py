@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import ndimage
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.values import Word
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.kernels.continued import planes_around
 from topple.topology.kernels.tolerances import AROUND, FAR, NEAREST, OFF
-from topple.topology.values import Word
 from topple.topology.views.borders import Picture
 from topple.topology.views.tolerances import (
     CHORD,
@@ -38,7 +38,7 @@ from topple.topology.views.tolerances import (
 )
 
 if TYPE_CHECKING:
-    from topple.topology.image import DepthImage
+    from topple.topology.views.image import DepthImage
 
 
 class MaskFault(Word):

@@ -19,7 +19,7 @@ from topple.benchmarks.plain_numpy import plain_numpy
 from topple.benchmarks.row import Row, faster, longer
 from topple.benchmarks.scores import Score, f1_interval, is_safe, score, share_interval
 from topple.planner.cli.main import main
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 KEYS = {"what", "value", "unit", "baseline", "baseline_value", "ratio", "bar", "ok"}
 TINY_RELATE = relate.Extent(

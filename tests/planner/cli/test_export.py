@@ -14,7 +14,7 @@ from topple.planner.cli.main import main
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
 from topple.robots.catalog import robot
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 def _cube(size: float, height: float) -> np.ndarray:

@@ -14,7 +14,7 @@ from topple.planner.cli.main import main
 from topple.planner.cli.robot_options import base_of
 from topple.planner.formats.plan_format import plan_from_json
 from topple.robots.world.bodies import Body
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 
 @pytest.fixture

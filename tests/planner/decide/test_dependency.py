@@ -4,9 +4,9 @@ import pytest
 from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, reasoned
 from topple.robots import shapes
 from topple.topology import Scene, UnknownObject
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.samples import sampled
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.sweep import overlap
 
 

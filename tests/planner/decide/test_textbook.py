@@ -9,9 +9,9 @@ import topple
 from topple.benchmarks.truth.pool import pool
 from topple.benchmarks.truth.views import WIDE, seen
 from topple.topology import DepthImage, Scene
-from topple.topology.arrays import FloatArray
-from topple.topology.frame import enlarged
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.frame import enlarged
+from topple.topology.situation.situation import Situation
 
 Block = tuple[tuple[float, float, float], tuple[float, float, float], float]
 """Edges [dm], middle [dm], by how much it leans back about y [degrees]."""

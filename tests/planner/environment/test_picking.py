@@ -11,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 import topple.planner.environment  # registers them
 from topple.planner.environment.picking import SLOTS, Picking
 from topple.planner.environment.tolerances import EFFORT
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.sixim.table import Relation
 
 DISHES = 0

@@ -12,9 +12,9 @@ from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 SIZE = (0.05, 0.05, 0.08)
 EYES = tuple(Camera.looking_at((x, y, 0.6), (0.0, 0.0, 0.0)) for x, y in ((0.6, 0.3), (-0.4, 0.6)))

@@ -13,7 +13,7 @@ from topple.planner.placement.away import BODIES, Away, Destination
 from topple.robots.catalog import robot
 from topple.robots.engines import arm_in
 from topple.robots.poses import inverse
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 SCENE = scene_for(CASES[0][0])  # a block on a block
 BASE = np.eye(4)

@@ -16,9 +16,9 @@ from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import robot
 from topple.robots.driver import Driver, Motion
 from topple.robots.scenarios.scenario import pose_at
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 BASE = pose_at(-0.5, 0.0, 0.0)
 HEIGHT = 0.12

@@ -12,8 +12,8 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 
 BASE = pose_at(-0.5, 0.0, 0.0)
 PANDA = robot("panda")

@@ -11,7 +11,7 @@ from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 @pytest.fixture

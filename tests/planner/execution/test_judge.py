@@ -13,7 +13,7 @@ from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 

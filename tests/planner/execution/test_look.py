@@ -14,9 +14,9 @@ from topple.robots.scenarios.scenario import around, pose_at
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
+from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.matter import MATTER
-from topple.topology.errors import InvalidInput
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 AWAY = Camera.looking_at((1.0, 0.0, 0.5), (5.0, 0.0, 3.0))
 

@@ -7,8 +7,8 @@ from topple.planner.execution.masks import misnamed, renamed
 from topple.robots.shapes import box
 from topple.robots.shapes.fruit import lemon
 from topple.robots.shapes.tableware import bowl, plate
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 TALL, FLAT = box("tall", (0.05, 0.06, 0.12)), box("flat", (0.12, 0.10, 0.04))
 BEFORE = on_table((TALL, (0.0, 0.0, 0.0)), (FLAT, (0.0, 0.2, 0.0)))

@@ -10,8 +10,8 @@ from topple.planner.execution.look import Observer
 from topple.planner.execution.rehearsal import Rehearsal, Z
 from topple.robots.catalog import robot
 from topple.robots.shapes import box
-from topple.topology.frame import in_frame
-from topple.topology.scene import Scene
+from topple.topology.scene.frame import in_frame
+from topple.topology.scene.scene import Scene
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 2.0, np.pi])

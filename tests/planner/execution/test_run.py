@@ -14,9 +14,9 @@ from topple.robots.catalog import robot
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.touch import Touch
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.scene.scene import Scene
 
 
 def block(x: float, y: float, z: float, side: float) -> FloatArray:

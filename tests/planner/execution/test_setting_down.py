@@ -19,7 +19,7 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 BASE = pose_at(-0.5, 0.0, 0.0)
 PLACE = Placement(pose_at(0.0, 0.25, 0.002), 1.0)  # it hangs 2 mm above the table when it is let go

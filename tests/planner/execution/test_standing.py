@@ -14,7 +14,7 @@ from topple.robots.scenarios.scenario import BASE, around, pose_at
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 class Aside(Through):

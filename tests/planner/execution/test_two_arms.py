@@ -20,8 +20,8 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.touch import Touch
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 BLOCK = Scene(

@@ -10,8 +10,8 @@ from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.cutlery import spoon
 from topple.robots.shapes.tableware import plate
 from topple.robots.world.bodies import Body
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.scene.scene import Scene
 
 ARM, PANDA = robot("panda-suction"), robot("panda")
 VIEWS = [[0.5, 0.5, 0.7], [-0.5, 0.5, 0.7], [0.0, -0.6, 0.7]]

@@ -28,8 +28,8 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.world import World
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 PANDA = robot("panda")
 LOW, OTHER = (-0.8, 0.0, 0.5), (0.8, 0.5, 0.6)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from topple.planner.grasp.foreign import grasps_from_array, read_grasps
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 def down(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:

@@ -16,8 +16,8 @@ from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.cutlery import spoon
 from topple.robots.shapes.tableware import mug
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 PANDA = robot("panda")
 MIDDLE = (0.0, 0.0, 0.0)

@@ -15,7 +15,7 @@ from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.tolerances import DENSITY
 
 HAND, CUP = hand_shape(robot("panda")), cup_shape(robot("panda-suction"))

@@ -12,7 +12,7 @@ from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.tableware import bowl, mug, plate
 from topple.robots.world.bodies import Body
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 HAND = hand_shape(robot("panda"))
 UP = np.array([0.0, 0.0, 1.0])

@@ -16,10 +16,10 @@ from topple.planner.grasp.suction import cup_shape
 from topple.planner.planning.order import order
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.image import DepthImage
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 
 def down(x: float, y: float, z: float) -> np.ndarray:

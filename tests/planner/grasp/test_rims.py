@@ -18,8 +18,8 @@ from topple.robots.shapes.boxes import box
 from topple.robots.shapes.tableware import plate
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 
 MIDDLE = (0.55, 0.0)
 

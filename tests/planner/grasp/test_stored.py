@@ -13,7 +13,7 @@ from numpy.lib import format as npy
 
 from topple.planner.grasp import stored
 from topple.planner.grasp.stored import read_stored
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 def wrapped(payload: bytes) -> bytes:

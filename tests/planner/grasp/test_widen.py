@@ -4,7 +4,7 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.hand import hand_shape
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 HAND = hand_shape(robot("panda"))
 UP = np.array([0.0, 0.0, 1.0])

@@ -11,7 +11,7 @@ from topple.planner.motion.model import Attachment
 from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import robot
 from topple.robots.collision.convex import hull_of
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parent))
 from scenes import box, clutter, top_down

@@ -6,8 +6,8 @@ from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.obstacles import Ball, Cuboid, Cylinder, parts_of
 from topple.robots.catalog import robot
-from topple.topology.errors import InvalidInput
-from topple.topology.mesh import Mesh
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.mesh import Mesh
 
 
 def placed(x: float, y: float, z: float) -> np.ndarray:

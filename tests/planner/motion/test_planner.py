@@ -12,7 +12,7 @@ from topple.planner.motion.ompl_search import ompl_path
 from topple.planner.motion.planner import Motion, MotionFailure, plan_motion
 from topple.planner.motion.shortcut import length, shortcut
 from topple.robots.catalog import robot
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parent))
 from scenes import box, clutter, densely, top_down, walled

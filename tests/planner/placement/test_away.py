@@ -13,7 +13,7 @@ from topple.planner.placement.away import BODIES, Away, Destination
 from topple.planner.planning.plan import plan
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify import verify
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 SCENE = scene_for(CASES[0][0])  # a block on a block
 WAYS: dict[Away, str | tuple[str | float, ...]] = {

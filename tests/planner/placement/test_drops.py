@@ -12,8 +12,8 @@ from topple.robots.shapes.fruit import lemon, strawberry
 from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 AXIS = np.arange(-0.4, 0.4, 0.01)

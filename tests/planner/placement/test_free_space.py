@@ -7,10 +7,10 @@ import pytest
 
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 UP = (0.0, 0.0, 1.0)
 HALF = 0.4  # [m] of the table's edge

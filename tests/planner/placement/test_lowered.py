@@ -9,7 +9,7 @@ from topple.planner.placement.lowered import lowered
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import box
 from topple.topology import Scene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 

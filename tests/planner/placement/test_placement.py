@@ -9,10 +9,10 @@ from topple.robots.shapes.cutlery import spoon
 from topple.robots.shapes.fruit import lemon
 from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
+from topple.topology.base.errors import UnknownObject
 from topple.topology.bodies.solids import fixed_parts, hidden_depth, solids_of
 from topple.topology.bodies.tops import tops_of
-from topple.topology.errors import UnknownObject
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -19,8 +19,8 @@ from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
 from topple.topology.bodies.completed import with_level_undersides
 from topple.topology.bodies.solids import Solids
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 SLAB = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])

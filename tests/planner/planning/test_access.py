@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from topple.planner.planning.order import order
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 AREAL = 150_000  # points a square metre: 2.5 mm apart, as a camera sees them at a metre
 

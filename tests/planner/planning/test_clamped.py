@@ -14,7 +14,7 @@ from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_jso
 from topple.planner.formats.verification import BROKEN
 from topple.robots.shapes import box
 from topple.topology import UnknownObject
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 @pytest.fixture(scope="module")

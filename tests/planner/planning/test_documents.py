@@ -20,9 +20,9 @@ from topple.planner.planning.step import Chooser, Context, NextStep, Task
 from topple.planner.planning.two_handed import plan_two_handed
 from topple.planner.report.words import order_in_words, places
 from topple.robots.scenarios import SCENARIOS, scenario_called
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 SEEDS, WHOLE = 10, 2
 """Seeds of each scene, and how many of them are planned to the end: of the others the first step is."""

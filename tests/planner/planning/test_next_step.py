@@ -17,10 +17,10 @@ from topple.planner.planning.step import Context, NextStep, Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import UnknownObject
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import UnknownObject
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 PANDA = robot("panda")
 STATION = Station(PANDA, pose_at(-0.5, 0.0, 0.0), np.asarray(PANDA.home))

@@ -9,8 +9,8 @@ import pytest
 
 from topple.planner.cli.main import main
 from topple.planner.planning.next_view import next_view, next_views
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "topology"))
 from made import EYES, Box, moved, seen, whole

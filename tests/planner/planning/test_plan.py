@@ -22,10 +22,10 @@ from topple.planner.planning.start import check_upright
 from topple.planner.planning.step import Chooser, Context, NextStep
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
-from topple.topology.workers import WorkerPool
+from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.workers import WorkerPool
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 ARM = robot("panda-suction")
 

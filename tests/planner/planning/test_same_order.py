@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple.planner.planning.order import order
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "topology"))
 from made import CHANGES, pile, seen, whole

@@ -15,7 +15,7 @@ from topple.planner.transfer.transfer import Transfer
 from topple.robots import robot as robot_named
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 def test_an_arm_that_stands_by_is_in_the_way_with_a_margin() -> None:

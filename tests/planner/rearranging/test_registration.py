@@ -12,7 +12,7 @@ from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, bowl, box, can, fork, mug, spoon
 from topple.robots.world.bodies import Body
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
 
 UP = np.array([0.0, 0.0, 1.0])

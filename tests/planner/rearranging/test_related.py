@@ -13,7 +13,7 @@ from topple.planner.cli.main import main
 from topple.planner.rearranging.related import related
 from topple.robots.shapes import bowl, box, lemon
 from topple.topology import InvalidInput, Scene, UnknownObject, relate
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 
 def blocks(**places: tuple[float, float, float]) -> Scene:

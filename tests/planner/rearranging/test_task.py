@@ -27,7 +27,7 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, box, plate
 from topple.robots.world.world import World
 from topple.topology import Scene
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 

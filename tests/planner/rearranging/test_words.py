@@ -12,9 +12,9 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import bowl, box, can, lemon, plate, spoon
 from topple.robots.world.world import World
 from topple.topology import InvalidInput, Scene, UnknownObject
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
 
 SCENE = on_table(
     (bowl("bowl"), (0.0, 0.0, 0.0)),

@@ -9,9 +9,9 @@ from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.robots.catalog import robot
-from topple.topology.image import DepthImage
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 NASTY = '</script><b>"it\'s" & <!--'
 """A name that would end the script, open a tag or break an attribute if it were not escaped."""

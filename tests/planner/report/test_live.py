@@ -16,7 +16,7 @@ pytest.importorskip("viser", reason="viser is not installed: pip install '.[view
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the server's own libraries
 
 from topple.planner.report.live import LivePage, _cell  # noqa: E402
-from topple.topology.relations import relate  # noqa: E402
+from topple.topology.relations.relate import relate  # noqa: E402
 
 
 def free_port() -> int:

@@ -12,7 +12,7 @@ from topple.planner.formats.plan_structs import DependencyData, ObjectData
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import order
 from topple.topology import Scene
-from topple.topology.relations import relate
+from topple.topology.relations.relate import relate
 
 MOST = 700_000  # characters: fifty such cells are a notebook of 35 MB
 

@@ -11,8 +11,8 @@ from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import Change, relation_changes
-from topple.topology.errors import InvalidInput
-from topple.topology.relations import relate
+from topple.topology.base.errors import InvalidInput
+from topple.topology.relations.relate import relate
 
 
 def test_every_step_has_a_section_and_a_mark_on_the_timeline(run_record):

@@ -19,10 +19,10 @@ from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import show_page
 from topple.planner.report.tables import relation_matrix
 from topple.planner.report.words import order_in_words
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 

@@ -11,9 +11,9 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.cloud import clean
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.cloud import clean
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.rest import Statics
 
 CAMERAS = ((0.45, 0.3, 0.5), (-0.5, 0.2, 0.5), (0.05, -0.55, 0.5))

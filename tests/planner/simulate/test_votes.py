@@ -12,8 +12,8 @@ from topple.planner.decide.rates import likelihoods, posterior, standing
 from topple.planner.planning.order import order
 from topple.planner.simulate.votes import Votes, ask, chances, confirmed
 from topple.robots import shapes
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.statics.rest import Statics
 
 NOTHING = DependencyGraph.of(("plate", "on", "beside"), ())

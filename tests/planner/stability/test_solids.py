@@ -9,7 +9,7 @@ from topple.planner.stability.check import check
 from topple.planner.stability.solids import solid_of
 from topple.robots import shapes
 from topple.topology import Scene
-from topple.topology.cloud import noise_and_spacing
+from topple.topology.scene.cloud import noise_and_spacing
 
 NOISE = 0.0005
 

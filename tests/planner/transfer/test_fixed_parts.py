@@ -13,13 +13,13 @@ from topple.robots.catalog import robot
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import moved, solids_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.rigid import transformed
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 CAN = shapes.box("can", (0.05, 0.05, 0.1))

@@ -15,10 +15,10 @@ from topple.planner.transfer.handling import Handling, Reached
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 PANDA, CUP = robot("panda"), robot("panda-suction")
 BASE = np.eye(4)

@@ -16,12 +16,12 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.solids import moved
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
+from topple.topology.views.image import DepthImage
 
 BOX = shapes.box("box", (0.05, 0.05, 0.1))
 SCREEN = shapes.box("screen", (0.01, 0.7, 0.34))

@@ -11,10 +11,10 @@ from topple.planner.transfer.segments import SegmentKind, no_faster_than
 from topple.planner.transfer.transfer import Transfer, TransferFailure, plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
-from topple.topology.errors import UnknownObject
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.base.errors import UnknownObject
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 ARM = robot("panda-suction")

@@ -22,8 +22,8 @@ from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.planner.verify import Verification, verify
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 CASE = CASES[0]  # a block on a block, and a Panda
 CARRIES, HOLDS = "the arm can carry it", "its weight is held"

@@ -11,8 +11,8 @@ from topple.planner.verify import Verification, verify
 from topple.planner.verify.proofs import OF_PLANS, OF_STEPS
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
-from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 ROUGH = 0.02  # [rad]: what is broken here is broken everywhere
 

@@ -8,7 +8,7 @@ import pytest
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import names, robot
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.base.errors import InvalidInput, NotInstalled
 
 
 def top_down(x: float, y: float, z: float, yaw: float) -> np.ndarray:

@@ -9,7 +9,7 @@ import pytest
 from topple.robots.arm.gripper_file import ArmPart, Cup, Gripper
 from topple.robots.arm.srdf import EndEffector, read_srdf, srdf_beside
 from topple.robots.catalog import robot
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "catalog"))
 from own_urdf import linked, written

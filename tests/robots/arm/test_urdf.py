@@ -8,7 +8,7 @@ import trimesh
 
 from topple.robots.arm.urdf import read_urdf
 from topple.robots.catalog import robot
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 SPHERE = '<link name="{}"><collision><geometry><sphere radius="{}"/></geometry></collision></link>'
 LIMITED = (

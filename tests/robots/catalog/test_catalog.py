@@ -3,7 +3,7 @@ import pytest
 
 from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import names, robot
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 
 @pytest.mark.parametrize("name", names())

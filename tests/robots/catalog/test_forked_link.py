@@ -11,7 +11,7 @@ from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 PRONGS = ("0 -0.07 0.12", "0 0.07 0.12")
 HEIGHT = 0.3  # of the fork's foot above the ground, prongs up

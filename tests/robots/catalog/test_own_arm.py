@@ -18,7 +18,7 @@ from topple.robots.catalog import data_path, robot
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parent))
 from own_urdf import linked, written

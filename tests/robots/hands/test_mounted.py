@@ -10,7 +10,7 @@ from topple.planner.formats.plan_robot import arm_data, arm_from
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.gripper_file import Gripper, Hand
 from topple.robots.catalog import robot
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "catalog"))
 from own_urdf import linked, written

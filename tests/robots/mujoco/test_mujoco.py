@@ -18,8 +18,8 @@ from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.shapes import block, bowl, can, plate
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 
 HOME = 0.4  # [m] before the base, where the block stands
 

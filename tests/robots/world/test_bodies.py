@@ -12,7 +12,7 @@ from topple.robots.collision.rounding import cores
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 YCB = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "ycb"
 

@@ -5,9 +5,9 @@ from scipy.spatial import ConvexHull
 
 from topple.robots import shapes
 from topple.robots.world.body_clouds import Piece, shell, smoothed, solid
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.tolerances import VOXEL
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.tolerances import VOXEL
 
 
 def _holds(pieces: list[Piece], point: list[float]) -> bool:

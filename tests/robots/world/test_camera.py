@@ -8,7 +8,7 @@ from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 EYE, TARGET = (0.5, -0.3, 0.5), (0.0, 0.0, 0.03)
 

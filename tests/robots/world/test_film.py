@@ -11,7 +11,7 @@ from topple.robots.world.camera import Camera
 from topple.robots.world.film import RATE, SIZE, Film
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 
 av = pytest.importorskip("av", reason="films need PyAV (dev extra)")
 

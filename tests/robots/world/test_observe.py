@@ -7,7 +7,7 @@ import pytest
 from topple.robots import scene_from_world, shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.world import World
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput, UnknownObject
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from topple.robots.poses import angle_between
 from topple.robots.world.bodies import Body
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.base.arrays import FloatArray
+from topple.topology.base.errors import InvalidInput
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from topple.robots import shapes
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bodies import Body
 from topple.robots.world.world import World, in_bullet
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.world import World, principal_axes
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput, UnknownObject
 
 
 @pytest.mark.parametrize("kind", ["plate", "bowl", "mug", "can", "tray", "block", "spoon", "fork", "banana"])

@@ -8,8 +8,8 @@ from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 CRATE, CARTON, CAN = (
     shapes.box("crate", (0.16, 0.12, 0.08)), shapes.box("carton", (0.08, 0.06, 0.1)), shapes.can("can"),

@@ -1,7 +1,7 @@
 import numpy as np
 
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 def seen_from_one_side(viewpoints: list[list[float]]) -> Scene:

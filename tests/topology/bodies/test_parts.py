@@ -3,7 +3,7 @@ import pytest
 
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.geometry.hull import Hull
-from topple.topology.rule.cavity import surrounded
+from topple.topology.relations.cavity import surrounded
 
 UP = np.array([0.0, 0, 1])
 LINE = np.linspace([0, 0, 0], [0.1, 0, 0], 30)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.tops import Tops, lowest_in_use, tops_of
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from topple.topology.geometry.outline import covers, outline
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from topple.topology.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.complete import complete_body
 from topple.topology.geometry.round import Cylinder, Spheroid, fits_of, round_body
 from topple.topology.views.free_space import FreeSpace

@@ -15,9 +15,9 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io import load_scene, load_sequence
+from topple.topology.views.image import DepthImage
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "write_bag.py"
 UP, PIXELS, FOCAL = (0.0, 0.0, 1.0), (160, 120), 190.0

@@ -13,11 +13,11 @@ from scipy.spatial import KDTree
 from topple.robots import Camera, World, shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Noise
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.hull import Hull
-from topple.topology.image import DepthImage
 from topple.topology.io import load_scene
-from topple.topology.relations import relate
+from topple.topology.relations.relate import relate
+from topple.topology.views.image import DepthImage
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "write_bop.py"
 PLATE, CAN, BLOCK = "obj_000001", "obj_000002", "obj_000003"

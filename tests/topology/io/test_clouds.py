@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from topple.topology import Scene
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
 
 RNG = np.random.default_rng(0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io import load_scene
 
 POINTS = np.round(np.random.default_rng(3).uniform(0, 0.2, (60, 3)), 6).astype(np.float32)

@@ -9,7 +9,7 @@ import trimesh
 
 from topple.planner.planning.order import order
 from topple.topology import Scene, scene_from_coco, scene_from_objects, scene_from_points
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.io.coco import mask_of
 
 SIZE = 0.1  # [m]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple.topology import DepthImage, Scene, scene_from_coco, scene_from_rgbd
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io import load_scene
 
 DATA = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "rgbd"
@@ -283,8 +283,8 @@ def test_the_fitted_plane_of_a_real_table_agrees_with_the_given_one() -> None:
         with np.load(path) as arrays:
             frame = {key: arrays[key] for key in ("depth", "K", "label")}
             given = arrays["table_plane"][:3]
-        from topple.topology.image import DepthImage
-        from topple.topology.scene import Scene
+        from topple.topology.scene.scene import Scene
+        from topple.topology.views.image import DepthImage
 
         scene = Scene.from_images([DepthImage(**frame)], fixed=["1"])
         assert scene.up is not None

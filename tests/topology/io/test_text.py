@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io import load_scene
 
 POINTS = np.round(np.random.default_rng(5).uniform(-0.1, 0.2, (30, 3)), 5)

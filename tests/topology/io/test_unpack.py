@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.io import load_scene
 
 made = pytest.importorskip("topple.benchmarks.fuzz.recordings", reason="a checkout has the benches")

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.topology.arrays import bounds
+from topple.topology.base.arrays import bounds
 from topple.topology.kernels import build, compiled
 from topple.topology.kernels.cavity import roofed, walled
 from topple.topology.kernels.cells import cells_of, turned_bounds, within_reach

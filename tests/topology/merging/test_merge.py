@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import box
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
+from topple.topology.base.errors import InvalidInput
 from topple.topology.merging.merge import merge_views
 from topple.topology.merging.segments import outliers, segmented
+from topple.topology.views.image import DepthImage
 
 pytest.importorskip("small_gicp", reason="small_gicp is not installed: pip install '.[views]'")
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topple.topology.geometry.hull import Hull
-from topple.topology.relations import relate
-from topple.topology.scene import Scene
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.fast.regions import Regions
 from topple.topology.sixim.plain import counts, plain_relations
 

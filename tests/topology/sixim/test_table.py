@@ -3,7 +3,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from topple.topology.errors import InvalidInput
+from topple.topology.base.errors import InvalidInput
 from topple.topology.sixim.table import (
     COINCIDENT,
     ONE_SIDED_CONTACT,

@@ -3,9 +3,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.topology import InvalidInput, Scene
+from topple.topology.bodies.upright import Upright
 from topple.topology.statics.contact import find_contacts
 from topple.topology.statics.grounds import Plane
-from topple.topology.upright import Upright
 
 
 def box(

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight
 from topple.topology.statics.falling import falls

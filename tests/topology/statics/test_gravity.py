@@ -9,10 +9,10 @@ import pytest
 
 from topple.planner.planning.order import order
 from topple.topology import InvalidInput, Scene, load_scene
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
+from topple.topology.base.arrays import FloatArray
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.statics.gravity import check_up
+from topple.topology.views.image import DepthImage
 
 SHARED = Path(__file__).resolve().parents[3].parent / "shared"
 AXES = {"x": (1, 0, 0), "-x": (-1, 0, 0), "y": (0, 1, 0), "-y": (0, -1, 0)}

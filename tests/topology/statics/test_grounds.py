@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from topple.topology.scene import Scene
+from topple.topology.bodies.upright import Upright
+from topple.topology.scene.scene import Scene
 from topple.topology.statics.contact import find_contacts
 from topple.topology.statics.grounds import planes_and_rest
-from topple.topology.upright import Upright
 
 
 @pytest.mark.parametrize("noise", [0.0005, 0.005])

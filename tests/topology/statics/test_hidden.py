@@ -9,16 +9,16 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.bodies.complete import complete, is_hollow
-from topple.topology.confidence import Evidence, confidence
-from topple.topology.image import DepthImage
-from topple.topology.relations import relate
-from topple.topology.rule.inferred import MEET
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
+from topple.topology.bodies.upright import Upright
+from topple.topology.relations.inferred import MEET
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
+from topple.topology.sixim.confidence import Evidence, confidence
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
-from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
+from topple.topology.views.image import DepthImage
 
 UP = (0.0, 0.0, 1.0)
 EYES = ((0.15, -0.1, 0.75), (-0.15, 0.15, 0.75))  # [m] steep: undersides and feet stay hidden

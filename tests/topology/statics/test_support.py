@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from topple.topology import Scene
-from topple.topology.confidence import Evidence, confidence
-from topple.topology.situation import Situation
+from topple.topology.situation.situation import Situation
+from topple.topology.sixim.confidence import Evidence, confidence
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, balance
 

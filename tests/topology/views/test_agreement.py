@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
+from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from made import EYES, UP, look, pile

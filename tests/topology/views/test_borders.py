@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from topple.topology.image import DepthImage
 from topple.topology.kernels.tolerances import BORDER, NOBODY
 from topple.topology.views.borders import borders
+from topple.topology.views.image import DepthImage
 
 HALVES = np.where(np.arange(40) < 20, 1, 2)[None].repeat(40, axis=0)
 K = np.array([[500.0, 0, 20], [0, 500, 20], [0, 0, 1]])

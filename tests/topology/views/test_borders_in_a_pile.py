@@ -12,11 +12,11 @@ from topple.robots.scenarios.scenario import Scenario, pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.world import World
-from topple.topology.image import DepthImage
 from topple.topology.io.load import load_scene
-from topple.topology.relations import relate
-from topple.topology.rule.inferred import MEET
-from topple.topology.scene import Scene
+from topple.topology.relations.inferred import MEET
+from topple.topology.relations.relate import relate
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from topple.topology.image import DepthImage
-from topple.topology.relations import relate
+from topple.topology.relations.relate import relate
 from topple.topology.views.free_space import FreeSpace
+from topple.topology.views.image import DepthImage
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from made import moved, pile, seen, told

@@ -16,9 +16,9 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology import InvalidInput, relate
-from topple.topology.arrays import FloatArray
-from topple.topology.image import DepthImage
-from topple.topology.scene import Scene
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
+from topple.topology.views.image import DepthImage
 from topple.topology.views.wrong_masks import MaskFault
 
 BODIES = {

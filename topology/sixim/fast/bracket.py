@@ -8,7 +8,7 @@ algorithm does it (van den Bergen 2001).
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.geometry.hull import Hull
 
 SMALL = 1000

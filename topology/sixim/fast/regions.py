@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.geometry.gauge import Gauge
 from topple.topology.geometry.hull import BLOCK, Hull
 

@@ -10,15 +10,15 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.base.tolerances import TOLERANCES
 from topple.topology.geometry.hull import Hull
-from topple.topology.pair import PairRelation
-from topple.topology.relation_table import AnyTable
-from topple.topology.scene import Scene
+from topple.topology.scene.scene import Scene
 from topple.topology.sixim.fast.bracket import SLACK, Bracket
 from topple.topology.sixim.fast.regions import Regions, in_box
+from topple.topology.sixim.pair import PairRelation
+from topple.topology.sixim.relation_table import AnyTable
 from topple.topology.sixim.table import classify, kind_of
-from topple.topology.tolerances import TOLERANCES
 
 PROBES = 256
 """Points in the other's box that are looked at before all: most contacts show in a few."""

@@ -1,7 +1,7 @@
 import numpy as np
 
 from topple.topology import PairRelation, Relation
-from topple.topology.relations import box_distance
+from topple.topology.relations.relate import box_distance
 from topple.topology.sixim.fast.rule import PlainRule
 
 

@@ -1,0 +1,1 @@
+"""How objects lie in each other: the default rule, and relations of a scene."""

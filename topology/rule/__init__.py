@@ -1,1 +1,0 @@
-"""The default rule: relations that withstand noise, hidden surfaces and hollow objects."""

@@ -1,0 +1,1 @@
+"""A scene: what was seen of objects, checked."""

@@ -1,0 +1,314 @@
+"""Situation: a scene, and what is read of it, each part worked out once and only when it is asked for."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+
+import networkx as nx
+import numpy as np
+
+from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import BoolArray, FloatArray
+from topple.topology.bodies.completed import completed_bodies, with_level_undersides
+from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
+from topple.topology.bodies.surfaces import carry_over, surfaces_of
+from topple.topology.bodies.tolerances import GRAIN
+from topple.topology.geometry.hull import Hull
+from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.samples import sampled
+from topple.topology.io.load import AnyScene, as_scene
+from topple.topology.relations.relate import Relations, relate
+from topple.topology.scene.cloud import unit_of
+from topple.topology.scene.frame import enlarged
+from topple.topology.scene.scene import Scene
+from topple.topology.situation.evidence import Evidence, Pixel
+from topple.topology.sixim.table import classify
+from topple.topology.statics.contact import Contact
+from topple.topology.statics.rest import Statics
+from topple.topology.statics.support import Support, supports
+from topple.topology.statics.sweep import overlap, swept_matrix
+from topple.topology.statics.tolerances import SHOWN
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """A scene with its relations, and with gravity what follows from them.
+
+    The relations are the one reading of the clouds: between two objects that they call disjoint there is no
+    contact, and none carries, leans on or holds the other.
+
+    Attributes:
+        scene: What was seen; it knows where up is where contacts are asked for.
+        known_relations: Relations that are known already, ours or somebody else's; None to work them out.
+        known_solids: Convex parts of the objects where they are known already.
+        known_completed: The same with the hidden sides, likewise.
+        origin: What it came of by taking objects away or moving them: the other bodies are those still.
+        unit: What a metre of its bodies stands for [m], see `sized`; lengths of its relations are true ones.
+    """
+
+    scene: Scene
+    known_relations: Relations | None = None
+    known_solids: Solids | None = field(default=None, repr=False)
+    known_completed: Solids | None = field(default=None, repr=False)
+    origin: "Change | None" = field(default=None, repr=False)
+    unit: float = 1.0
+
+    @staticmethod
+    @checked_arguments
+    def of(scene: "AnyScene | Situation", relations: Relations | None = None) -> "Situation":
+        """A scene as a situation; a situation as it is, unless other relations are given.
+
+        Args:
+            scene: The scene, the path of one, or what is known of it.
+            relations: Relations that are known already.
+        """
+        if isinstance(scene, Situation):
+            return scene if relations is None else replace(scene, known_relations=relations)
+        return Situation(as_scene(scene), relations)
+
+    @cached_property
+    def up(self) -> FloatArray:
+        """(3,) unit vector against gravity.
+
+        Raises:
+            InvalidInput: The scene has no `up`.
+        """
+        return up_of(self.scene)
+
+    @cached_property
+    def relations(self) -> Relations:
+        """The relation of every pair."""
+        if self.known_relations is not None:
+            return self.known_relations
+        if self.origin is None or self.origin.pose is None:
+            return relate(self.scene)
+        return self.origin.before.relations.followed(self.scene)
+
+    @cached_property
+    def statics(self) -> Statics:
+        """Completed bodies, their weights and contacts, in a frame whose z is up.
+
+        Raises:
+            InvalidInput: The scene has no `up`.
+        """
+        return Statics.of(self.scene, relations=self.relations)
+
+    @cached_property
+    def sized(self) -> "Situation":
+        """The same with things as large as hands take, about which it is asked what falls and what is met.
+
+        How far things lie apart, roll or move before it counts is told in millimetres, for things of some
+        15 cm; nuts and crates are enlarged to that first. Itself where its things are neither.
+        """
+        unit = unit_of(self.scene)
+        if unit == 1.0:
+            return self
+        return Situation(enlarged(self.scene, 1.0 / unit), self.relations, unit=unit)
+
+    @property
+    def movable(self) -> tuple[str, ...]:
+        """Names that can move."""
+        return self.scene.movable
+
+    @property
+    def surfaces(self) -> Mapping[str, FloatArray]:
+        """The completed bodies: name -> (N, 3) upright points [m] of the whole surface."""
+        return self.statics.surfaces
+
+    @cached_property
+    def solids(self) -> Solids:
+        """Convex parts of every object in the world, as far as it was seen: what is kept clear of."""
+        if self.known_solids is not None:
+            return self.known_solids
+        return solids_of(self.scene) if self.origin is None else self.origin.of(self.origin.before.solids)
+
+    @cached_property
+    def completed(self) -> Solids:
+        """Convex parts with the hidden sides: how things stand and fall.
+
+        Where nobody says from where the scene was seen nothing is hidden.
+        """
+        if self.known_completed is not None:
+            return self.known_completed
+        if self.origin is not None:
+            return self.origin.of(self.origin.before.completed)
+        if not len(self.scene.viewpoints):
+            return self.solids
+        to_world = self.statics.upright.rotation  # of rows
+        guessed = [name for name in self.movable if name not in self.scene.whole]
+        surfaces = {name: self.surfaces[name] @ to_world for name in guessed}
+        return completed_bodies(self.scene.clouds, self.solids, surfaces)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Patches between bodies that meet."""
+        return self.statics.contacts
+
+    @cached_property
+    def supports(self) -> tuple[Support, ...]:
+        """What carries what: see `topple.topology.statics.support.supports`."""
+        return supports(self.statics, self.relations)
+
+    def without(self, *names: str) -> "Situation":
+        """What is left once objects are taken away; the bodies of the others stay as they are.
+
+        Args:
+            names: The objects.
+        """
+        scene = self.scene
+        for name in names:
+            scene = scene.without(name)
+        carry_over(scene, self.scene)
+        return Situation(scene, origin=Change(self, frozenset(names)))
+
+    def with_completed(self, name: str) -> "Situation":
+        """The same with an object as it was completed in place of what was seen of it: how it stands.
+
+        Args:
+            name: The object.
+        """
+        body = self.completed[name]
+        cloud = np.vstack([self.scene.clouds[name], sampled(body, 2.0 * GRAIN)])
+        bodies = {**self.solids, name: body}
+        scene = self.scene.with_cloud(name, cloud).weighed(centres=self.scene.centres)
+        return Situation(scene, known_solids=bodies, known_completed=self.completed)
+
+    def moved(self, names: Collection[str], pose: FloatArray, more: FloatArray | None = None) -> "Situation":
+        """The situation once objects were moved: they are rigid, and all else is where it was.
+
+        Args:
+            names: The objects.
+            pose: (4, 4) rigid transform in the world.
+            more: (N, 3) points of the first of them where it was [m] that will be seen besides.
+        """
+        scene, whole = self.scene, {name: pose for name in names}
+        for name in names:
+            cloud = scene.clouds[name]
+            if more is not None:
+                cloud, more = np.vstack([cloud, more]), None
+                del whole[name]
+            scene = scene.with_cloud(name, moved((cloud,), pose)[0])
+            if name in self.scene.centres:
+                scene = scene.weighed(centres={name: transformed(self.scene.centres[name][None], pose)[0]})
+        carry_over(scene, self.scene, whole)
+        return Situation(scene, origin=Change(self, frozenset(names), pose))
+
+    def with_level_undersides(self) -> "Situation":
+        """The same with the undersides of what stands levelled: see `topology.bodies.completed`.
+
+        Where nothing is hidden it stays as it is.
+        """
+        if not len(self.scene.viewpoints):
+            return self
+        return replace(
+            self,
+            known_solids=self.solids,
+            known_completed=with_level_undersides(
+                self.completed, set(self.movable) - self.scene.whole, self.up
+            ),
+        )
+
+    def shown(self, places: FloatArray, slack: float) -> BoolArray:
+        """Which places cameras saw, a surface there, or what was moved or taken away from there since.
+
+        Args:
+            places: (N, 3) places in the world [m].
+            slack: How far behind what was seen, or beside what was moved, a place may be [m].
+
+        Returns:
+            (N,) True for those; for all where no camera is known, since nothing is hidden then.
+        """
+        if self.origin is not None:
+            found = self.origin.before.shown(places, slack)
+            for part in (part for name in self.origin.names for part in self.origin.before.solids[name]):
+                found[~found] = Hull.of(part).facet_distance(places[~found]) < slack
+            return found
+        bodies = surfaces_of(self.scene)
+        if bodies.sight is None:
+            return np.ones(len(places), dtype=np.bool_)
+        return bodies.sight.shown(places @ bodies.upright.rotation.T, slack)
+
+    def between(self, a: str, b: str) -> Evidence:
+        """The relation of two objects as they lie, and where the pictures show it."""
+        found = Evidence.of(self.relations.between(a, b))
+        if not found.observed or not self.scene.images:
+            return found
+        patches = [each.points for each in self.contacts if {each.a, each.b} == {a, b} and not each.inferred]
+        return replace(found, pixels=self._shown(np.concatenate(patches), {a, b})) if patches else found
+
+    def swept(self, name: str, other: str) -> Evidence:
+        """The relation of an object, with all that it passes as it is lifted straight up, to another one.
+
+        Args:
+            name: What is lifted.
+            other: What may be in its way.
+        """
+        body, met = self.surfaces[name], self.surfaces[other]
+        over, clouds = overlap(met, body), self.statics.upright.clouds
+        gap = self.relations.between(name, other).gap if over is None else -over.evasion * self.unit
+        seen = overlap(clouds[other], clouds[name])
+        pixels = () if seen is None else self._shown(seen.places, {other})
+        relation = classify(swept_matrix(body, met))
+        return Evidence(name, other, relation, gap, seen is not None, swept=True, pixels=pixels)
+
+    def _shown(self, places: FloatArray, names: Collection[str]) -> tuple[Pixel, ...]:
+        """Where pictures show one of upright places (N, 3) [m] as surface of an object named, one in each."""
+        places = places @ self.statics.upright.rotation
+        pixels: list[Pixel] = []
+        for camera, image in enumerate(self.scene.images, 1):
+            labels = image.labels_at(places, SHOWN)
+            rows, columns, *_ = image.pixels_of(places)
+            shown = [i for i, label in enumerate(labels) if label and image.name_of(label) in names]
+            pixels += [(camera, int(rows[i]), int(columns[i])) for i in shown[:1]]
+        return tuple(pixels)
+
+    def hang_together(self, a: str, b: str) -> bool:
+        """Whether two movable objects are in contact, or each with others that are."""
+        return bool(nx.has_path(self._meeting, a, b))
+
+    def chain(self, a: str, b: str) -> tuple[Evidence, ...]:
+        """The relations by which two movable objects hang together, through as few others as possible.
+
+        Args:
+            a: One of them.
+            b: The other one.
+
+        Returns:
+            The relation of each to the next, from a to b; empty where they do not.
+        """
+        if not self.hang_together(a, b):
+            return ()
+        path = nx.shortest_path(self._meeting, a, b)
+        return tuple(self.between(one, other) for one, other in pairwise(path))
+
+    @cached_property
+    def _meeting(self) -> "nx.Graph[str]":
+        """The movable objects, those in contact joined."""
+        graph: nx.Graph[str] = nx.Graph()
+        graph.add_nodes_from(self.movable)
+        for a, b in sorted(map(sorted, self.relations.meeting)):
+            if a in graph and b in graph:
+                graph.add_edge(a, b)
+        return graph
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """How a situation came of another one.
+
+    Attributes:
+        before: The other one.
+        names: What was taken away or moved.
+        pose: (4, 4) rigid transform in the world by which they were moved; None where they were taken away.
+    """
+
+    before: Situation
+    names: frozenset[str]
+    pose: FloatArray | None = None
+
+    def of(self, bodies: Solids) -> Solids:
+        """Bodies from before as they are now."""
+        if self.pose is None:
+            return {name: parts for name, parts in bodies.items() if name not in self.names}
+        return {n: moved(parts, self.pose) if n in self.names else parts for n, parts in bodies.items()}
