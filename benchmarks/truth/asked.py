@@ -104,11 +104,7 @@ def answer(task: Mapping[str, Any]) -> dict[str, Any]:
         each target; or `refused`, with the sentence.
     """
     import topple
-
-    try:
-        from topple.topology import Situation
-    except ImportError:  # versions of before do not name it there
-        from topple.topology.situation import Situation
+    from topple.topology import Situation
 
     if task.get("load"):
         arrays: dict[str, Any] = {"path": task["arrays"], "fixed": task["fixed"]}
