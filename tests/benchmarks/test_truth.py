@@ -243,7 +243,7 @@ def test_a_fault_of_one_question_costs_that_one(version: Version, given: Path, t
 def test_a_commit_is_kept_as_it_was(tmp_path: Path) -> None:
     found = of_commit("HEAD", tmp_path)
     assert found.name == (commit_now() or "").rstrip("+")
-    assert (found.folder / "topple" / "topology" / "scene.py").is_file()
+    assert (found.folder / "topple" / "topology" / "scene" / "scene.py").is_file()
     assert of_commit("HEAD", tmp_path) == found
     code = "import topple, topple.planner; print(topple.__file__)"
     said = subprocess.run(
