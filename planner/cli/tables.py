@@ -5,7 +5,7 @@ from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import print_table, print_text
-from topple.topology.base.rounded import rounded
+from topple.planner.rounded import rounded
 
 if TYPE_CHECKING:
     from topple.topology.scene.scene import Scene

@@ -19,10 +19,10 @@ from topple.planner.grasp.surface import Surface, surface_in
 from topple.planner.grasp.surroundings import Dropped, Surroundings, surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.grasp.widen import widened
+from topple.planner.rounded import rounded
 from topple.robots.arm.gripper import ToolName
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
-from topple.topology.base.rounded import rounded
 from topple.topology.geometry.hull import Hull
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation

@@ -5,7 +5,7 @@ from typing import Any
 
 from topple.planner.decide.hold import Hold
 from topple.planner.report.limits import LIMITS
-from topple.topology.base.rounded import rounded
+from topple.planner.rounded import rounded
 
 Document = Mapping[str, Any]
 

@@ -18,7 +18,7 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.sides import beyond, joggled_sides
-from topple.topology.geometry.tolerances import LINKED, PLATES_FEWEST
+from topple.topology.geometry.tolerances import LINKED, PIECE_FEWEST
 from topple.topology.kernels.neighbours import PointTree
 
 
@@ -44,9 +44,9 @@ def plates_of(
     above = (cloud.mean(axis=0) + SKY * up)[None]  # a hull of a rim is bare from there: it is no lid
     found: list[FloatArray] = []
     cloud = rest = np.concatenate([np.empty((0, 3)), *pieces_of(cloud, spacing)])
-    while len(rest) > max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
+    while len(rest) > max(PIECE_FEWEST, PLATES_LEAST * len(cloud)):
         flat = _largest_plane(rest, rng, max(AROUND, 2.0 * spacing))
-        if flat.sum() < max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
+        if flat.sum() < max(PIECE_FEWEST, PLATES_LEAST * len(cloud)):
             break
         for piece in pieces_of(rest[flat], spacing):
             found += convex_parts(piece, THICK, above, fewest=RIM_FEWEST)
@@ -75,7 +75,7 @@ def _largest_plane(points: FloatArray, rng: np.random.Generator, around: float) 
     best = np.zeros(len(points), dtype=np.bool_)
     for index in rng.permutation(len(points))[:TRIES]:
         near = points[tree.query_ball_point(points[index : index + 1], around)[0]]
-        if len(near) < PLATES_FEWEST:
+        if len(near) < PIECE_FEWEST:
             continue
         flat = _beside(points, near)
         if flat.sum() > best.sum():

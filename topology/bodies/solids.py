@@ -20,7 +20,7 @@ from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import centre_of_mass
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import spacing_of, voxel_means
-from topple.topology.geometry.tolerances import LINKED, PLATES_FEWEST
+from topple.topology.geometry.tolerances import LINKED, PIECE_FEWEST
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene.scene import Scene
 from topple.topology.scene.tolerances import MATTER_SPACING
@@ -156,7 +156,7 @@ def fixed_parts(cloud: FloatArray, up: FloatArray, others: FloatArray = NOTHING)
     rest = found.rest
     for slab in slabs:
         rest = rest[~_inside(rest, slab)]
-    if len(rest) < PLATES_FEWEST:
+    if len(rest) < PIECE_FEWEST:
         return tuple(slabs)
     more = up.tobytes() + b"fixed"
     return (*slabs, *_remembered(rest, more, lambda: _plates(rest, up, spacing)))

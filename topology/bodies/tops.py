@@ -44,7 +44,7 @@ from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.plane import fit_plane, plane_through
 from topple.topology.geometry.thin import spacing_of, voxel_means
-from topple.topology.geometry.tolerances import ENOUGH, PLATES_FEWEST
+from topple.topology.geometry.tolerances import ENOUGH, PIECE_FEWEST
 from topple.topology.scene.tolerances import RISES
 
 REMEMBERED = 64  # clouds whose tops are kept
@@ -166,7 +166,7 @@ def _surface(whole: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
         return None
     height = float(np.median(heights))
     off = whole[np.abs(whole @ normal - height) > max(RISES, 4.0 * _spread(heights))]
-    if len(off) >= PLATES_FEWEST and pieces_of(
+    if len(off) >= PIECE_FEWEST and pieces_of(
         voxel_means(off, 2 * GRAIN, ahead=0.0), surface_spacing(off, spacing_of(whole))
     ):
         return None

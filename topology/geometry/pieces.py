@@ -2,7 +2,7 @@
 
 from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.thin import spacing_of
-from topple.topology.geometry.tolerances import LINKED, PLATES_FEWEST, SPARSE
+from topple.topology.geometry.tolerances import LINKED, PIECE_FEWEST, SPARSE
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.pieces import pieces_of_links
 
@@ -21,7 +21,7 @@ def surface_spacing(points: FloatArray, spacing: float) -> float:
     return max(spacing, own) if own <= SPARSE else spacing
 
 
-def pieces_of(points: FloatArray, spacing: float = 0.0, fewest: int = PLATES_FEWEST) -> list[FloatArray]:
+def pieces_of(points: FloatArray, spacing: float = 0.0, fewest: int = PIECE_FEWEST) -> list[FloatArray]:
     """Points that hang together; what is too small to be a thing is left out.
 
     Args:

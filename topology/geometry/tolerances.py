@@ -80,10 +80,13 @@ BEFORE = 2e-5
 """How far before the first point cells begin [m]: files round to tenths of millimetres, and what is
 rounded shall not lie on the edge of a cell, where the last bit of a number decides."""
 
+
+# -- pieces
+
 LINKED = 0.015
 """Points this close belong together [m]."""
 
-PLATES_FEWEST = 12
+PIECE_FEWEST = 12
 """Points of a piece that counts: fewer are noise."""
 
 SPARSE = 0.04

@@ -23,7 +23,7 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.thin import thinned
-from topple.topology.io.models import meant_by, model_files, read_model
+from topple.topology.io.model_files import meant_by, model_files, read_model
 from topple.topology.scene.cloud import clean
 from topple.topology.scene.mesh import Mesh
 from topple.topology.scene.model_fit import ModelFit

@@ -15,7 +15,6 @@ from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.geometry.tolerances import LINKED, ON_PLANE
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene.tolerances import (
-    BACKGROUND_FEWEST,
     BESIDE,
     IN_COMMON,
     LEAST_PLATE,
@@ -23,13 +22,14 @@ from topple.topology.scene.tolerances import (
     MATTER_SPACING,
     NEAR,
     OVER,
+    PLANE_FEWEST,
     PLANES,
     REACH,
     RISES,
     ROBOT_NEAR,
     SAME,
     STANDS,
-    VOXEL,
+    TABLE_CELL,
 )
 
 
@@ -55,12 +55,12 @@ def find_table(
     best = (-1, 0)
     table: FloatArray | None = None
     for _ in range(PLANES):
-        if len(left) < BACKGROUND_FEWEST:
+        if len(left) < PLANE_FEWEST:
             break
         plane, _ = fit_plane(left)
         on = _on(left, plane)
         count = int(on.sum())
-        if count < BACKGROUND_FEWEST:
+        if count < PLANE_FEWEST:
             break
         score = (_standing(plane, clouds, viewpoints), count)
         if score > best and score[0] >= 0:
@@ -278,7 +278,7 @@ def hanging_together(
     axes = np.stack(perpendiculars(plane[:3]), axis=1)  # (3, 2)
     places, covered = points @ axes, np.concatenate(list(clouds.values())) @ axes
     corner = np.minimum(places.min(axis=0), covered.min(axis=0))
-    cells, hidden = (np.floor((each - corner) / VOXEL).astype(np.int64) for each in (places, covered))
+    cells, hidden = (np.floor((each - corner) / TABLE_CELL).astype(np.int64) for each in (places, covered))
     occupied = np.zeros(np.maximum(cells.max(axis=0), hidden.max(axis=0)) + 1, dtype=np.bool_)
     occupied[tuple(cells.T)] = occupied[tuple(hidden.T)] = True
     parts = np.zeros(occupied.shape, dtype=np.int32)

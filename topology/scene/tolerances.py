@@ -8,7 +8,7 @@ NEAR = 0.3
 PLANES = 6
 """Planes looked at, the largest first: table, floor, walls, and the sides of what stands about."""
 
-BACKGROUND_FEWEST = 200
+PLANE_FEWEST = 200
 """Points of a plane that may be a table: less is the side of something small."""
 
 STANDS = 0.03
@@ -17,8 +17,11 @@ STANDS = 0.03
 OVER = 0.8
 """Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
 
-VOXEL = 0.05
+TABLE_CELL = 0.05
 """Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""
+
+
+# -- unnamed
 
 BESIDE = 0.3
 """Distance [m] beyond the objects to which things without a name are looked for: what reaches further is a
@@ -37,8 +40,14 @@ and has a mask in another picture: of 93 such pieces 95 % have 0.24 and more, of
 REACH = 1.0
 """Distance [m] beyond the objects within which an arm at work on them may meet what stands there."""
 
+
+# -- robot
+
 ROBOT_NEAR = 0.03
 """Distance [m] from a robot's bodies within which points are its own: covers, cables, calibration."""
+
+
+# -- matter
 
 MATTER_SPACING = 0.01
 """Edge [m] of cubes whose points are averaged: a dozen pixels of a wall at 1.5 m, one of what flies."""
@@ -49,8 +58,14 @@ MATTER_FEWEST = 4
 LEAST_PLATE = 0.04
 """Size [m] to which what is not flat is cut: hollows narrower than that no hand gets into."""
 
+
+# -- sight
+
 RAYS = 10_000
 """Points of a cloud that end lines of sight, as far as no image shows them already: a table's every 5 mm."""
+
+
+# -- friction
 
 FRICTION = 0.5
 """Coefficient of dry friction between two things nobody tried: wood, card, glazed ware and tin lie between

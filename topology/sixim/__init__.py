@@ -1,1 +1,1 @@
-"""The 6-intersection model: Table 1, the paper's rule in full, and a fast version with the same answers."""
+"""The 6-intersection model: Table 1, pairs and their table, the paper's rule, and a fast version of it."""

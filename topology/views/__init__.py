@@ -1,1 +1,1 @@
-"""Free space: what the cameras saw to be empty, and what they could not see."""
+"""What cameras took: depth images, what they saw to be empty, and what they could not see."""

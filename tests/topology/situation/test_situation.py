@@ -18,10 +18,10 @@ from topple.topology import InvalidInput, Relation, Relations, Scene, UnknownObj
 from topple.topology.situation.situation import Situation
 from topple.topology.statics.sweep import overlap
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 from made import pile, seen
 
-PILES = Path(__file__).resolve().parents[2].parent / "shared" / "piles"
+PILES = Path(__file__).resolve().parents[3].parent / "shared" / "piles"
 
 
 def _at(cloud: np.ndarray, x: float, y: float, z: float) -> np.ndarray:

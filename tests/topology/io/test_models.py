@@ -14,13 +14,13 @@ from topple.robots import Camera, World, shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology import ModelFit, load_scene, with_models
 from topple.topology.base.errors import InvalidInput, UnknownObject
-from topple.topology.io.models import meant_by, model_files
+from topple.topology.io.model_files import meant_by, model_files
 from topple.topology.relations.relate import relate
 from topple.topology.scene.frame import in_frame
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
-SHARED = Path(__file__).parents[2].parent / "shared" / "data"
+SHARED = Path(__file__).resolve().parents[3].parent / "shared" / "data"
 
 
 @pytest.mark.parametrize(
