@@ -18,7 +18,7 @@ FILES = {
     "pictures": ["topology/io/picture.py"],
     "BOP": ["topology/io/bop.py"],
     "rosbag": ["topology/io/bag.py"],
-    "folders of known models": ["topology/io/models.py"],
+    "folders of known models": ["topology/io/model_files.py"],
     "COCO": ["topology/io/coco.py"],
     "grasps": ["planner/grasp/foreign.py"],
     "labels": ["benchmarks/labels.py"],
