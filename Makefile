@@ -51,7 +51,7 @@ film: .venv/dev.stamp
 
 # docs/plan.schema.json is what the structs of planner/formats/plan_structs.py say; a test holds it to that.
 schema: .venv/dev.stamp
-	$(BIN)/python -c 'import json; from topple.planner.formats.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
+	$(BIN)/python -c 'import json; from topple.planner.planning.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
 
 # Both simulate, and PyBullet or its fork has wheels for CPython 3.10 to 3.13 on Linux x86-64.
 python:

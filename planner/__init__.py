@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from topple.planner.execution.loop import ClosedLoop
     from topple.planner.execution.run import run
     from topple.planner.execution.selection import RunLimits
-    from topple.planner.formats.plan_format import Plan
     from topple.planner.formats.run_record import RunRecord
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_all, rank_grasps
     from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order, order_all
     from topple.planner.planning.plan import plan, plan_all
+    from topple.planner.planning.plan_format import Plan
     from topple.planner.planning.two_handed import plan_two_handed
     from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
@@ -88,7 +88,7 @@ __getattr__, __dir__ = lazy_names(
         "execution.loop": "ClosedLoop",
         "execution.selection": "RunLimits",
         "execution.run": "run",
-        "formats.plan_format": "Plan",
+        "planning.plan_format": "Plan",
         "formats.run_record": "RunRecord",
         "grasp.foreign": "ForeignGrasps grasps_from_array read_grasps",
         "grasp.rank": "rank_all rank_grasps",

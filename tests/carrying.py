@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
+from topple.planner.formats.arm_motion import ArmMotion, Carry
+from topple.planner.motion.trajectory import Trajectory
+from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.robots.arm.gripper import ToolState
 
 ABOVE = np.array([0.0, -0.3, 0.0, -2.2, 0.0, 2.0, 0.8])
@@ -15,11 +17,10 @@ def carried(name, arm):
     """A motion down to an object, the grasp, up with it, and letting it go."""
     times, down = np.linspace(0.0, 1.0, 40), np.linspace(ABOVE, ABOVE + LOWER, 40)
     wide, narrow = ToolState(0.08), ToolState(0.02)
-    none = np.empty(0)
     drives = [
-        Drive("approach", "fingers", wide, times, down),
-        Drive("grasp", "fingers", narrow, none, none),
-        Drive("lift", "fingers", narrow, times, down[::-1]),
-        Drive("release", "fingers", wide, none, none),
+        Segment(SegmentKind.APPROACH, "fingers", wide, Trajectory(times, down, 0.0 * down), None),
+        Segment(SegmentKind.GRASP, "fingers", narrow, None, name),
+        Segment(SegmentKind.LIFT, "fingers", narrow, Trajectory(times, down[::-1], 0.0 * down), name),
+        Segment(SegmentKind.RELEASE, "fingers", wide, None, None),
     ]
     return ArmMotion.of(arm, np.eye(4), [Carry(drives, [name], np.array([0.0, 0.0, -0.05]))])

@@ -16,7 +16,6 @@ from topple.benchmarks.fuzz.scenes import SCENES, cloud, npy
 from topple.benchmarks.journal import Journal
 from topple.benchmarks.versions import code_key
 from topple.planner.decide.goal import Goal, parse_goal
-from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.formats.plan_structs import (
     AttachmentData,
     DependencyData,
@@ -29,6 +28,7 @@ from topple.planner.formats.plan_structs import (
     Step,
 )
 from topple.planner.grasp.foreign import ForeignGrasps, read_grasps
+from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.robots.arm.gripper_file import read_gripper
 from topple.robots.arm.urdf import Model, read_urdf
 from topple.topology.io.limits import read_bytes

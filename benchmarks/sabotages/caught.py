@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 
 from topple.benchmarks.sabotages.catalogue import OTHER_SCENES, SPOILT, UNREADABLE
-from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
+from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.verify import verify
 from topple.robots.shapes.boxes import box
 from topple.robots.shapes.fruit import lemon

@@ -97,6 +97,22 @@ def a_spline_that_swings_out(d: Document) -> None:
     d["seconds"] += lasts
 
 
+def a_lift_that_presses_down_first(d: Document) -> None:
+    """Slowly and within limits: down into what bears it by 30 mm, back up, and away as planned."""
+    part, arm = segments_of(d, "lift")[-1], robot(d["robot"])
+    motion = part["motion"]
+    begin, tool, up = np.array(motion["positions"][0]), part["tool"], np.array(d["up"])
+    pose = arm.tool_pose(begin, tool)[0]
+    pose[:3, 3] -= 0.03 * np.array(d["pose_base_to_world"])[:3, :3].T @ up
+    deep = arm.inverse(pose, tool, near=begin)[0][0] - begin
+    times = np.linspace(0.0, 2.0, 41)
+    ways, speeds = (1.0 - np.cos(np.pi * times)) / 2.0, np.pi * np.sin(np.pi * times) / 2.0
+    motion["times"] = [*times[:-1].tolist(), *(2.0 + time for time in motion["times"])]
+    motion["positions"] = [*(begin + np.outer(ways, deep))[:-1].tolist(), *motion["positions"]]
+    motion["velocities"] = [*np.outer(speeds, deep)[:-1].tolist(), *motion["velocities"]]
+    d["seconds"] += 2.0
+
+
 def proofs_of_a_hand_that_closes(d: Document) -> None:
     segments_of(d, "grasp")[0]["certified"] = True
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 from topple.planner.cli.robot_options import seen_robot
 
 if TYPE_CHECKING:
-    from topple.planner.formats.plan_format import Plan
+    from topple.planner.planning.plan_format import Plan
     from topple.planner.planning.step import Orderer, Task
     from topple.topology.base.arrays import FloatArray
     from topple.topology.relations.relate import Relations
@@ -223,7 +223,7 @@ def read_plan(path: str) -> "Plan":
     Raises:
         InvalidInput: There is no plan, or it is larger than a file may be.
     """
-    from topple.planner.formats.plan_format import Plan, plan_from_json
+    from topple.planner.planning.plan_format import Plan, plan_from_json
     from topple.topology.io.limits import check_size
     from topple.topology.io.tolerances import MOST_BYTES
 

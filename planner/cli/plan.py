@@ -16,9 +16,9 @@ from topple.planner.cli.tables import print_assumptions
 from topple.topology.base.files import write_whole
 
 if TYPE_CHECKING:
-    from topple.planner.formats.plan_format import Plan
     from topple.planner.formats.plan_structs import Step
-    from topple.planner.formats.verification import Verification
+    from topple.planner.planning.plan_format import Plan
+    from topple.planner.verify.verification import Verification
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -63,9 +63,9 @@ def execute(args: argparse.Namespace) -> int:
     with Progress("plan") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
-        from topple.planner.formats.plan_format import plan_to_json
         from topple.planner.planning.order import ordered
         from topple.planner.planning.plan import plan
+        from topple.planner.planning.plan_format import plan_to_json
 
         arm = arm_of(args)
         progress(f"{path}: planning")

@@ -12,11 +12,11 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo_seeds import CAMERAS, default_seed
 from topple.planner.execution.look import Look, Observer, Relate
 from topple.planner.execution.loop import ClosedLoop
-from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
+from topple.planner.planning.plan_format import plan_to_json
 from topple.planner.planning.step import Orderer, Station, Task, order_by
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask

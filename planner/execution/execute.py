@@ -20,7 +20,7 @@ from topple.planner.execution.tolerances import (
     STILL,
     TOUCHDOWN,
 )
-from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
+from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.grasp.tolerances import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -295,10 +295,5 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
 
 def _motion(transfer: Transfer, ended: list[Segment], robot: Driver) -> ArmMotion | None:
     """How the arm went through the segments that it came to the end of."""
-    drives: list[Drive] = []
-    for segment in ended:
-        way = segment.trajectory
-        times, q = (np.empty(0), np.empty((0, 0))) if way is None else (way.times, way.positions)
-        drives.append(Drive(segment.kind, segment.tool, segment.hand, times, q))
-    carry = Carry(drives, (transfer.object, *transfer.riding))
+    carry = Carry(ended, (transfer.object, *transfer.riding))
     return ArmMotion.of(robot.arm, robot.pose_base_to_world, [carry])

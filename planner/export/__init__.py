@@ -6,7 +6,7 @@ from topple.planner.export.behavior_tree import behavior_tree
 from topple.planner.export.graph import dot, graphml
 from topple.planner.export.moveit import moveit_scene
 from topple.planner.export.pddl import pddl
-from topple.planner.formats.plan_format import Plan
+from topple.planner.planning.plan_format import Plan
 from topple.topology.base.plugins import Table
 
 EXPORTERS: Table[Callable[[Plan], str | bytes]] = Table(

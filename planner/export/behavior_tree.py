@@ -2,9 +2,9 @@
 
 import xml.etree.ElementTree as ElementTree
 
-from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_structs import SegmentData, Step
 from topple.planner.placement.away import IN_HAND
+from topple.planner.planning.plan_format import Plan
 
 ACTIONS = {
     "move": ("FollowTrajectory", ("step", "segment", "holding")),

@@ -2,7 +2,7 @@
 
 import networkx as nx
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.planning.plan_format import Plan
 
 
 def step_graph(plan: Plan) -> "nx.DiGraph[str]":

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.planning.plan_format import Plan
 from topple.robots.collision.convex import hull_of
 from topple.topology.geometry.rigid import transformed
 

@@ -2,7 +2,7 @@
 
 import re
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.planning.plan_format import Plan
 
 
 def pddl(plan: Plan) -> str:

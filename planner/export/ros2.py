@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_structs import Motion, SegmentData, Step
+from topple.planner.planning.plan_format import Plan
 from topple.robots.collision.convex import hull_of
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import NotInstalled

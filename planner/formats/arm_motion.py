@@ -5,7 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.transfer.segments import SegmentKind
+from topple.planner.formats.plan_structs import SegmentData
+from topple.planner.motion.trajectory import Trajectory
+from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.poses import inverse
@@ -18,23 +20,8 @@ HAND_SECONDS = 0.8
 """What opening or closing a hand is shown to take [s]: plans do not time it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Drive:
-    """One piece of what an arm does.
-
-    Attributes:
-        kind: Which piece of a pick and place it is.
-        tool: "fingers" or "suction".
-        hand: How the hand stands, or for grasp and release what it is brought to.
-        times: (k,) [s] from its start; empty where the arm stands still.
-        positions: (k, n) joint values [rad] or [m].
-    """
-
-    kind: str
-    tool: str
-    hand: ToolState
-    times: FloatArray
-    positions: FloatArray
+Drive = Segment | SegmentData
+"""One piece of what an arm does: of what was planned, or of what a plan says."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +93,8 @@ class _Frames:
 
     def add(self, carry: Carry) -> None:
         for drive in carry.drives:
-            if len(drive.times):
-                self._drive(drive)
+            if (way := drive.trajectory) is not None:
+                self._drive(drive, way)
             elif self._q is not None:
                 self._close(drive, carry)
         self._ends.append(max(len(self._times) - 1, 0))
@@ -120,24 +107,25 @@ class _Frames:
         times, links = np.array(self._times), np.array(self._links)
         return ArmMotion(times, tuple(self._kinds), links, carried, tuple(self._ends))
 
-    def _drive(self, drive: Drive) -> None:
-        count = len(drive.times)
+    def _drive(self, drive: Drive, way: Trajectory) -> None:
+        count, hand = len(way.times), _state(drive)
         chosen = np.unique(np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int))
-        q, times = drive.positions[chosen], drive.times[chosen] - drive.times[0]
-        links = self._base @ self._arm.forward(q, drive.hand)
+        q, times = way.positions[chosen], way.times[chosen] - way.times[0]
+        links = self._base @ self._arm.forward(q, hand)
         tools = self._base @ self._arm.tool_pose(q, drive.tool)
         for time, pose, tool in zip(times, links, tools, strict=True):
             self._now |= {name: tool @ start for name, start in self._held.items()}
             self._keep(self._clock + float(time), drive.kind, pose)
         self._clock += float(times[-1])
-        self._q, self._hand = q[-1], drive.hand
+        self._q, self._hand = q[-1], hand
 
     def _close(self, drive: Drive, carry: Carry) -> None:
         """The hand closes or opens while the arm stands."""
         assert self._q is not None
-        self._keep(self._clock, drive.kind, self._arm_at(self._q, self._hand or drive.hand))
+        hand = _state(drive)
+        self._keep(self._clock, drive.kind, self._arm_at(self._q, self._hand or hand))
         self._clock += HAND_SECONDS
-        self._hand = drive.hand
+        self._hand = hand
         if drive.kind == SegmentKind.GRASP:
             tool = (self._base @ self._arm.tool_pose(self._q, drive.tool))[0]
             self._held = {name: inverse(tool) @ self._now.get(name, np.eye(4)) for name in carry.names}
@@ -146,7 +134,7 @@ class _Frames:
                 self._now[name] = self._now[name].copy()
                 self._now[name][:3, 3] += carry.fall
             self._held = {}
-        self._keep(self._clock, drive.kind, self._arm_at(self._q, drive.hand))
+        self._keep(self._clock, drive.kind, self._arm_at(self._q, hand))
 
     def _arm_at(self, q: FloatArray, hand: ToolState) -> FloatArray:
         return (self._base @ self._arm.forward(q, hand))[0]
@@ -156,3 +144,8 @@ class _Frames:
         self._kinds.append(str(kind))
         self._links.append(links)
         self._poses.append(dict(self._now))
+
+
+def _state(drive: Drive) -> ToolState:
+    """How the hand stands in a piece."""
+    return ToolState(drive.hand.opening, drive.hand.cup_extension)

@@ -1,12 +1,10 @@
 """What a plan is made of: frozen structs that are written as JSON and read back equal."""
 
-from typing import NamedTuple
-
 import msgspec
 import numpy as np
 
 from topple.planner.formats.plan_robot import ArmData
-from topple.topology.base.arrays import FloatArray
+from topple.planner.motion.trajectory import Trajectory
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.notebook import in_cell
 
@@ -14,14 +12,6 @@ FORMAT = "topple.plan"
 FORMAT_VERSION = 1
 
 Matrix = list[list[float]]
-
-
-class JointTrajectory(NamedTuple):
-    """A motion as arrays: times (t,) [s], positions (t, n) [rad] or [m], velocities (t, n)."""
-
-    times: FloatArray
-    positions: FloatArray
-    velocities: FloatArray
 
 
 class HandState(msgspec.Struct, frozen=True, forbid_unknown_fields=False):
@@ -64,6 +54,14 @@ class SegmentData(msgspec.Struct, frozen=True):
     certified: bool = False
     clearance: float = 0.0
     witness: tuple[str, str] | None = None
+
+    @property
+    def trajectory(self) -> Trajectory | None:
+        """The motion as arrays; None where the arm stands still."""
+        if self.motion is None:
+            return None
+        way = self.motion
+        return Trajectory(np.array(way.times), np.array(way.positions), np.array(way.velocities))
 
 
 class GraspData(msgspec.Struct, frozen=True):
@@ -262,7 +260,7 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
     clamped: list[str] = []
     away: AwayData | None = None
 
-    def trajectory(self, step: int, segment: int | str) -> JointTrajectory:
+    def trajectory(self, step: int, segment: int | str) -> Trajectory:
         """Give one motion as arrays.
 
         Args:
@@ -284,14 +282,10 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
         if not 0 <= index < len(segments):
             known = ", ".join(f"{number} {kind}" for number, kind in enumerate(kinds))
             raise InvalidInput(f"step {step} has no segment {segment!r}: it has {known}")
-        motion = segments[index].motion
-        if motion is None:
+        way = segments[index].trajectory
+        if way is None:
             raise InvalidInput(f"step {step}: the arm stands still in segment {index}, {kinds[index]}")
-        return JointTrajectory(
-            np.array(motion.times),
-            np.array(motion.positions).reshape(len(motion.times), -1),
-            np.array(motion.velocities).reshape(len(motion.times), -1),
-        )
+        return way
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""

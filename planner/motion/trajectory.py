@@ -1,6 +1,6 @@
 """Paths to trajectories: joint positions over time, within velocity and acceleration limits."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,32 +9,12 @@ from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray, frozen
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """Joint positions over time.
-
-    Attributes:
-        times: (t,) in [s], increasing from 0.
-        positions: (t, n) in [rad] or [m].
-        velocities: (t, n) in [rad/s] or [m/s].
-    """
+class Trajectory(NamedTuple):
+    """Joint positions over time: times (t,) [s] from 0, positions (t, n) [rad] or [m], velocities (t, n)."""
 
     times: FloatArray
     positions: FloatArray
     velocities: FloatArray
-
-    def __post_init__(self) -> None:
-        for name in ("times", "positions", "velocities"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-
-    @property
-    def duration(self) -> float:
-        """How long it takes in [s]."""
-        return float(self.times[-1])
-
-    def at(self, time: float) -> FloatArray:
-        """(n,) positions at a time in [s]; the ends outside of the duration."""
-        return np.array([np.interp(time, self.times, column) for column in self.positions.T])
 
 
 def retime(arm: Arm, path: FloatArray, speed: float = 0.5) -> Trajectory:
@@ -130,4 +110,4 @@ def _sampled(
     positions = path[edge] + before[:, None] * directions[edge]
     velocities = rate[:, None] * directions[edge]
     positions[-1], velocities[-1] = path[-1], 0.0
-    return Trajectory(sample, positions, velocities)
+    return Trajectory(*map(frozen, (sample, positions, velocities)))

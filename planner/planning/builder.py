@@ -11,7 +11,13 @@ from topple.planner.decide.goal import Goal
 from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_data import (
+from topple.planner.formats.plan_robot import arm_data
+from topple.planner.formats.plan_structs import DependencyData, ObjectData, Step
+from topple.planner.grasp.given import GraspsByObject
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.placement.away import Away, Destination, Receiver
+from topple.planner.planning.order import ordered
+from topple.planner.planning.plan_data import (
     DIGITS,
     away_data,
     dependency_data,
@@ -20,13 +26,7 @@ from topple.planner.formats.plan_data import (
     said_unseen,
     step_data,
 )
-from topple.planner.formats.plan_format import Plan
-from topple.planner.formats.plan_robot import arm_data
-from topple.planner.formats.plan_structs import DependencyData, ObjectData, Step
-from topple.planner.grasp.given import GraspsByObject
-from topple.planner.grasp.grasp import Grasp
-from topple.planner.placement.away import Away, Destination, Receiver
-from topple.planner.planning.order import ordered
+from topple.planner.planning.plan_format import Plan
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.prediction import after
@@ -209,24 +209,11 @@ class PlanBuilder:
         below = {first for first, then in self.reasons if then == transfer.object}
         since = [index for index, name in enumerate(names) if name in below or name == transfer.object]
         before, self.last = self.last, time.perf_counter()
-        spent = self.last - before
         falls = transfer.placement.falls
         reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
         if transfer.object in self.clamped - self.moved.keys():
             reason = f"{reason}; the fixture lets go once the hand holds it"
-        self.steps.append(
-            step_data(
-                transfer,
-                str(chosen.action),
-                reason,
-                since,
-                self.moved,
-                spent,
-                against,
-                chosen.all_fallbacks,
-                chosen.buffer,
-            )
-        )
+        self.steps.append(step_data(chosen, reason, since, self.moved, self.last - before, against))
         self.tried.update(transfer.tried)
         pose = transfer.placement.pose_at_rest(self.up)
         if transfer.placement.how is Away.ZONE:

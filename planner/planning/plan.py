@@ -10,17 +10,17 @@ import numpy as np
 from topple.planner.budget import bounded
 from topple.planner.decide.goal import Goal
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_format import Plan
-from topple.planner.formats.verification import BROKEN, UNFOUND
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
 from topple.planner.planning.builder import PlanBuilder, Progress, check_relations
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import check_clamped, check_masks, ordered
+from topple.planner.planning.plan_format import Plan
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import TRIES
+from topple.planner.verify.claims import SEEN_ORDER
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
@@ -143,7 +143,7 @@ def plan(
         planning.run(task, asked)
         return planning.plan(start, given is None, assumed)
 
-    own = () if orderer is ordered and relations is None else (BROKEN, UNFOUND)
+    own = () if orderer is ordered and relations is None else SEEN_ORDER.names
     return _held(attempt, planning, scene, own) if check and BULLET in INSTALLED else attempt()
 
 

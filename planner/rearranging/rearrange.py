@@ -25,7 +25,7 @@ from topple.topology.situation.situation import Situation
 from topple.topology.statics.support import Support
 
 if TYPE_CHECKING:
-    from topple.planner.formats.plan_format import Plan
+    from topple.planner.planning.plan_format import Plan
     from topple.robots.arm.arm import Arm
 
 

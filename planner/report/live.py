@@ -23,7 +23,7 @@ from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
 
 if TYPE_CHECKING:
-    from topple.planner.formats.plan_format import Plan
+    from topple.planner.planning.plan_format import Plan
 
 Moves = Sequence[tuple[str, FloatArray | None]]
 LEAST, MOST = 0.5, 12.0  # [mm] of the deviation: below any camera's noise, and above the worst

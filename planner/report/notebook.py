@@ -19,8 +19,8 @@ from topple.topology.scene.scene import Scene
 
 if TYPE_CHECKING:
     from topple.planner.decide.arrange import Order
-    from topple.planner.formats.plan_format import Plan
     from topple.planner.formats.run_record import RunRecord
+    from topple.planner.planning.plan_format import Plan
     from topple.topology.relations.relate import Relations
 
 TALL, LOW = 560, 360  # [px] of a cell with a view, and of one without

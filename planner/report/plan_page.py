@@ -2,17 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import Any
 
 import numpy as np
 from msgspec import to_builtins
 
-from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
-from topple.planner.formats.verification import Verification
 from topple.planner.placement.away import BODIES
+from topple.planner.planning.plan_format import Plan
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.html import Span, bullets, folded, plain_table, view_page
 from topple.planner.report.limits import LIMITS
@@ -22,8 +20,8 @@ from topple.planner.report.show import dependency_section
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
 from topple.planner.report.words import TARGET, UNTIED, counted, millimetres, order_in_words, sentence
 from topple.planner.transfer.segments import SegmentKind
+from topple.planner.verify.verification import Verification
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolState
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.samples import sampled
@@ -93,17 +91,11 @@ def check_scene(plan: Plan, scene: Scene) -> None:
 def plan_motion(plan: Plan, arm: Arm) -> ArmMotion | None:
     """Key frames of a whole plan: None where nothing moves."""
     base, up = np.array(plan.pose_base_to_world), np.array(plan.up)
-    return ArmMotion.of(arm, base, [_carry(step, up) for step in plan.steps])
-
-
-def _carry(step: Step, up: Any) -> Carry:
-    drives: list[Drive] = []
-    for segment in step.segments:
-        motion, hand = segment.motion, ToolState(segment.hand.opening, segment.hand.cup_extension)
-        times = np.array([] if motion is None else motion.times)
-        positions = np.array([] if motion is None else motion.positions)
-        drives.append(Drive(segment.kind, segment.tool, hand, times, positions))
-    return Carry(drives, [held.object for held in step.attachments], -step.placement.drop * up)
+    carries = [
+        Carry(step.segments, [held.object for held in step.attachments], -step.placement.drop * up)
+        for step in plan.steps
+    ]
+    return ArmMotion.of(arm, base, carries)
 
 
 def _head(plan: Plan, bands: Sequence[Span], *, refuted: bool) -> str:

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
 
-from topple.planner.formats.verification import Verification
 from topple.planner.report.drawing import Document, is_inferred
 from topple.planner.report.html import bullets, folded, table
 from topple.planner.report.limits import LIMITS
@@ -20,6 +19,7 @@ from topple.planner.report.words import (
     sentences,
     shortened,
 )
+from topple.planner.verify.verification import Verification
 from topple.topology.sixim.table import Relation
 
 _UNSEEN = "not seen"

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from topple.planner.motion.certificate import Certificate
 from topple.planner.motion.trajectory import Trajectory
 from topple.robots.arm.gripper import ToolState
@@ -70,8 +68,4 @@ def no_faster_than(trajectory: Trajectory, length: float, speed: float) -> Traje
     """
     duration = float(trajectory.times[-1])
     factor = max(1.0, length / speed / duration) if duration > 0 else 1.0
-    return Trajectory(
-        np.asarray(trajectory.times * factor),
-        trajectory.positions,
-        np.asarray(trajectory.velocities / factor),
-    )
+    return Trajectory(trajectory.times * factor, trajectory.positions, trajectory.velocities / factor)

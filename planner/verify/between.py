@@ -1,71 +1,62 @@
 """Motions as a plan writes them proven free between their samples too, by certificates derived anew."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 
 import numpy as np
 
-from topple.planner.formats.plan_structs import PlanData
-from topple.planner.formats.verification import Residual, Worst
-from topple.planner.motion.certificate import Certifier
+from topple.planner.motion.certificate import Certificate, Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
-from topple.planner.verify.bodies import parts_of
-from topple.planner.verify.replay import SegmentReplay
+from topple.planner.verify.replay import Finding, Piece, Replay
 from topple.planner.verify.tolerances import ROUNDED
-from topple.robots.arm.arm import Arm
 from topple.topology.bodies.solids import moved
 
+Proven = tuple[Piece, Certificate, bool]
+"""A piece in which the arm moves, its certificate, and whether it is nowhere closer than its plan says."""
 
-@dataclass(eq=False)
-class BetweenCheck:
-    """Collects what cannot be proven of the motions it is shown.
 
-    Attributes:
-        plan: The plan.
-        arm: The arm.
-        clearance: By index of a step, what is proven of all its motions: the least distance [m], all along,
-            of what moves to what stands, but for the pairs that may touch.
-        open: By index of a step, the motions of which nothing is proven, and what comes too close.
-        proof: Motions that the plan calls unproven, or of which some state is closer than it says.
-    """
-
-    plan: PlanData
-    arm: Arm
-    clearance: dict[int, float] = field(default_factory=dict[int, float])
-    open: dict[int, str] = field(default_factory=dict[int, str])
-    proof: Worst = field(default_factory=lambda: Worst("motions without a proof", "1"))
-
-    def __post_init__(self) -> None:
-        self._parts, self._base = parts_of(self.plan), np.array(self.plan.pose_base_to_world)
-
-    def look(self, piece: SegmentReplay) -> None:
-        """Derive the certificate of a segment's motion, with everything where the actions have it."""
+def certificates(replay: Replay) -> tuple[Proven, ...]:
+    """Derive the certificate of every motion, with everything where the actions have it."""
+    found: list[Proven] = []
+    for piece in replay.pieces:
         if piece.segment.motion is None:
-            return
-        held = [part for name, to_tool in piece.held.items() for part in moved(self._parts[name], to_tool)]
+            continue
+        held = [part for name, to_tool in piece.held.items() for part in moved(replay.parts[name], to_tool)]
         checker = Checker(
-            self.arm,
-            self._base,
-            {name: moved(self._parts[name], pose) for name, pose in piece.poses.items()},
+            replay.arm,
+            replay.base,
+            {name: moved(replay.parts[name], pose) for name, pose in piece.poses.items()},
             tool_state=piece.hand,
             attached=Attachment(tuple(held), piece.segment.tool, piece.step.object) if held else None,
             allow=piece.may_touch,
         )
-        positions, told = np.array(piece.segment.motion.positions), piece.segment.clearance
-        if not piece.segment.certified:
-            self.proof.count(piece.where, piece.index)
-        elif told > ROUNDED and not checker.keeping(told - ROUNDED).free(positions).all():
-            self.proof.count(f"{piece.where}: something is closer than {1e3 * told:.1f} mm", piece.index)
-        found = Certifier(checker).path(positions)
-        if piece.segment.certified and not found.proven:
-            self.proof.count(f"{piece.where}: said to be proven free", piece.index)
-        if found.proven:
-            before = self.clearance.get(piece.index, np.inf)
-            self.clearance[piece.index] = min(before, found.clearance)
-        else:
-            met = "" if found.contact is None else f": {found.contact.a} and {found.contact.b}"
-            self.open.setdefault(piece.index, f"{piece.segment.kind}{met}")
+        positions, room = np.array(piece.segment.motion.positions), piece.segment.clearance - ROUNDED
+        kept = not piece.segment.certified or room <= 0.0 or checker.keeping(room).free(positions).all()
+        found.append((piece, Certifier(checker).path(positions), bool(kept)))
+    return tuple(found)
 
-    def residuals(self) -> tuple[Residual, ...]:
-        """What the plan says of its proofs and is not so."""
-        return (self.proof.residual(),)
+
+def unproven(replay: Replay) -> Iterator[Finding]:
+    """Motions that a plan calls unproven or that cannot be proven, and those closer than it says."""
+    for piece, certificate, kept in replay.once(certificates):
+        if not piece.segment.certified:
+            yield piece.finds(1.0)
+        elif not kept:
+            yield piece.finds(1.0, f"something is closer than {1e3 * piece.segment.clearance:.1f} mm")
+        if piece.segment.certified and not certificate.proven:
+            yield piece.finds(1.0, "said to be proven free")
+
+
+def open_motion(replay: Replay, step: int) -> str:
+    """The first motion of a step that is not proven, and what comes too close; empty where all are."""
+    for piece, certificate, _ in replay.once(certificates):
+        if piece.index == step and not certificate.proven:
+            met = certificate.contact
+            return f"{piece.segment.kind}{'' if met is None else f': {met.a} and {met.b}'}"
+    return ""
+
+
+def clearance(replay: Replay, step: int) -> str:
+    """The least distance proven of all motions of a step, all along, but for pairs that may touch."""
+    proven = (proof.clearance for piece, proof, _ in replay.once(certificates) if piece.index == step)
+    return f"{1e3 * min(proven):.2g} mm at least"

@@ -4,15 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from topple.planner.formats.plan_structs import PlanData
-from topple.planner.formats.verification import Residual, Worst
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import cup_load, jaw_load, most_held, weight_of
 from topple.planner.grasp.suction import cup_shape
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
-from topple.planner.verify.bodies import parts_of
-from topple.planner.verify.replay import SegmentReplay
-from topple.robots.arm.arm import Arm
+from topple.planner.transfer.segments import SegmentKind
+from topple.planner.verify.replay import Finding, Piece, Replay
+from topple.planner.verify.tolerances import COARSE
 from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.tolerances import GRAVITY
 from topple.robots.arm.torques import Strain, strain
@@ -21,52 +19,53 @@ from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import moved
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import volume_and_centre
-from topple.topology.scene.scene import Scene
 
 
-class ForceCheck:
-    """Collects what weights ask in the segments it is shown.
+class Weights:
+    """What weights ask of hand, arm and joints in every piece of a replay.
 
     What was weighed is a claim: more of it than the hand, the arm or a joint bears refutes a step. Of a
     weight that is guessed, by a factor of two, more than they bear only leaves the step unproven.
 
     Args:
-        plan: The plan.
-        arm: The arm.
-        scene: What was weighed and tried in it; None: everything is guessed.
+        replay: The replay; without a scene everything is guessed.
     """
 
-    def __init__(self, plan: PlanData, arm: Arm, scene: Scene | None) -> None:
-        self.arm, self._up, self._parts = arm, np.array(plan.up), parts_of(plan)
-        self._base_up = np.array(plan.pose_base_to_world)[:3, :3].T @ self._up
-        self._masses: Mapping[str, float] = {} if scene is None else scene.masses
+    def __init__(self, replay: Replay) -> None:
+        scene = replay.weighed()
+        self.replay, self.arm, self._up = replay, replay.arm, replay.up
+        self._base_up = replay.base[:3, :3].T @ self._up
+        self.masses: Mapping[str, float] = {} if scene is None else scene.masses
         self._friction: Mapping[str, float] = {} if scene is None else scene.friction
         self._centres: Mapping[str, FloatArray] = {} if scene is None else scene.centres
         self.loads: dict[int, float] = {}
         """By index of a step, the share of what pads or cup resist; above 1 what is held slips or turns."""
         self.guessed: dict[int, str] = {}
         """By index of a step, what it is if weights are as they are guessed that is more than is borne."""
-        self.heavy = Worst("weight beyond what the hand can hold", "N")
-        self.payload = Worst("load beyond the rated payload", "kg")
-        self.torques = Worst("joint torques against effort limits", "1", 1.0)
+        self.heavy, self.overload, self.torques = list[Finding](), list[Finding](), list[Finding]()
+        """Weights beyond what the hand holds [N], masses beyond the arm's rating [kg], shares of torques."""
+        for piece in replay.pieces:
+            self._weigh(piece)
 
-    def look(self, piece: SegmentReplay) -> None:
+    def _weigh(self, piece: Piece) -> None:
         """Weigh what is in the hand: as it closes, and on the joints all along."""
-        to_pads = inverse(self._pads(piece))
-        parts = {name: moved(self._parts[name], to_pads @ to_tool) for name, to_tool in piece.held.items()}
+        to_pads = inverse(self.replay.pads(piece))
+        parts = {
+            name: moved(self.replay.parts[name], to_pads @ to_tool) for name, to_tool in piece.held.items()
+        }
         lumps = {name: volume_and_centre(np.vstack(each), each) for name, each in parts.items()}
-        known = {name: self._masses.get(name, 0.0) for name in lumps}
+        known = {name: self.masses.get(name, 0.0) for name in lumps}
         likely = {
-            name: weight_of(volume, self._masses.get(name)) / GRAVITY for name, (volume, _) in lumps.items()
+            name: weight_of(volume, self.masses.get(name)) / GRAVITY for name, (volume, _) in lumps.items()
         }
         centres = {name: centre for name, (_, centre) in lumps.items()}
         for name in centres.keys() & self._centres.keys():
             (centres[name],) = moved([self._centres[name][None]], to_pads @ piece.held[name])[0]
         asked = self._strain(piece, known, centres)
-        self.torques.note(asked.share, f"{piece.where}: {asked}", piece.index)
+        self.torques.append(piece.finds(asked.share, str(asked)))
         if known != likely and (asked := self._strain(piece, likely, centres)).share > 1.0:
             self.guessed.setdefault(piece.index, str(asked))
-        if piece.segment.kind != "grasp" or piece.step.object not in piece.held:
+        if piece.segment.kind != SegmentKind.GRASP or piece.step.object not in piece.held:
             return
         self._rate(piece, sum(known.values()))
         if sum(likely.values()) > self.arm.payload:
@@ -74,41 +73,29 @@ class ForceCheck:
         if sum(likely.values()) > 0.0:
             self._hold(piece, likely, centres, np.vstack(parts[piece.step.object]))
 
-    def _pads(self, piece: SegmentReplay) -> FloatArray:
-        """(4, 4) pose of the pads, or the lip, in the tool's frame."""
-        return self.arm.tool(piece.segment.tool).pads(piece.step.grasp.width)
-
-    def residuals(self) -> tuple[Residual, ...]:
-        """What was found of what was weighed."""
-        return self.heavy.residual(), self.payload.residual(), self.torques.residual()
-
-    def _rate(self, piece: SegmentReplay, mass: float) -> None:
+    def _rate(self, piece: Piece, mass: float) -> None:
         """A mass that is known against what the arm is rated for, and against the most that a hand holds."""
-        if mass > self.arm.payload:
-            words = f"{piece.where}: {mass:g} kg, {self.arm.name} carries {self.arm.payload:g} kg"
-            self.payload.note(mass - self.arm.payload, words, piece.index)
+        words = f"{mass:g} kg, {self.arm.name} carries {self.arm.payload:g} kg"
+        self.overload.append(piece.finds(mass - self.arm.payload, words))
         if piece.segment.tool == ToolName.SUCTION:
             most = most_held(1.0, cup_shape(self.arm).max_force / 2.0)
         else:
             most = most_held(self._friction.get(piece.step.object), hand_shape(self.arm).force)
-        if GRAVITY * mass > most:
-            words = f"{piece.where}: {GRAVITY * mass:.0f} N, the {piece.segment.tool} hold {most:.0f} N"
-            self.heavy.note(GRAVITY * mass - most, words, piece.index)
+        words = f"{GRAVITY * mass:.0f} N, the {piece.segment.tool} hold {most:.0f} N"
+        self.heavy.append(piece.finds(GRAVITY * mass - most, words))
 
-    def _strain(
-        self, piece: SegmentReplay, masses: Mapping[str, float], centres: Mapping[str, FloatArray]
-    ) -> Strain:
+    def _strain(self, piece: Piece, masses: Mapping[str, float], centres: Mapping[str, FloatArray]) -> Strain:
         """What weights ask of the joints along a segment."""
         mass, centre = sum(masses.values()), np.zeros(3)
         if mass > 0.0:
             middle = np.average(list(centres.values()), axis=0, weights=list(masses.values()))
-            to_flange = self.arm.tool_to_flange(piece.segment.tool) @ self._pads(piece)
+            to_flange = self.arm.tool_to_flange(piece.segment.tool) @ self.replay.pads(piece)
             centre = transformed(middle[None], to_flange)[0]
-        return strain(self.arm, piece.states, self._base_up, mass, centre)
+        return strain(self.arm, piece.states[::-COARSE], self._base_up, mass, centre)
 
     def _hold(
         self,
-        piece: SegmentReplay,
+        piece: Piece,
         masses: Mapping[str, float],
         centres: Mapping[str, FloatArray],
         own: FloatArray,

@@ -1,12 +1,11 @@
 """Whether a hand that closes where a plan closes it takes hold of the object there."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from topple.planner.formats.plan_structs import PlanData, Step
+from topple.planner.formats.plan_structs import Step
 from topple.planner.grasp.grasp import KINDS, GraspKind
-from topple.planner.verify.bodies import completed_of, parts_of
 from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED, SPACING
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
@@ -18,18 +17,21 @@ from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled
 from topple.topology.geometry.sides import inset
 
+Bodies = Mapping[str, Sequence[FloatArray]]
+
 
 class Grip:
     """Holds a plan's grasps against its bodies.
 
     Args:
-        plan: The plan.
+        parts: By name convex parts (V, 3) as they were when the plan began [m].
+        wholes: The same with the hidden sides.
         arm: The arm.
+        up: (3,) against gravity.
     """
 
-    def __init__(self, plan: PlanData, arm: Arm) -> None:
-        self.arm, self._up = arm, np.array(plan.up)
-        self._parts, self._whole = parts_of(plan), completed_of(plan)
+    def __init__(self, parts: Bodies, wholes: Bodies, arm: Arm, up: FloatArray) -> None:
+        self._parts, self._whole, self.arm, self._up = parts, wholes, arm, up
 
     def fails(
         self,
@@ -74,8 +76,7 @@ class Grip:
         return bool(over and (own @ self._up).min() > (other @ self._up).min() - REACHED)
 
     def _corners(self, name: str, poses: Mapping[str, FloatArray]) -> FloatArray:
-        pose = poses[name]
-        return transformed(np.vstack(self._parts[name]), pose)
+        return transformed(np.vstack(self._parts[name]), poses[name])
 
     def _cup_fails(self, step: Step, closed: ToolState, parts: list[FloatArray]) -> str | None:
         ready = self.arm.tools[ToolName.SUCTION].ready.cup_extension
@@ -110,7 +111,7 @@ class Grip:
         return None
 
 
-def distance(half: FloatArray, parts: list[FloatArray]) -> float:
+def distance(half: FloatArray, parts: Sequence[FloatArray]) -> float:
     """Distance [m] to convex parts from a box about the origin, half its extents (3,), or from the origin."""
     import fcl
 

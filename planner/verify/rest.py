@@ -1,88 +1,85 @@
-"""Whether things stay where a plan puts them: each is let go in simulation, the others held in place."""
+"""Whether things stay where a plan puts them: each is let go in simulation, the others held in place.
 
-from dataclasses import dataclass, field
+What is put on a table is asked with the hidden sides, which it may have to stand on; what is put on or into
+another thing was lowered by what was seen of both. What is put into a container may roll but has to stay in
+it. A step that says that it lets its object fall is not counted, and told of.
+"""
+
+from collections.abc import Iterator
 
 import numpy as np
 
 from topple.planner.decide.goal import PlaceRelation
-from topple.planner.formats.plan_structs import PlanData
-from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.away import BODIES, Away
 from topple.planner.placement.drops import Drops
-from topple.planner.placement.proof import settled
-from topple.planner.placement.tolerances import SHIFT, TURN
-from topple.planner.verify.bodies import completed_of, parts_of
-from topple.planner.verify.replay import SegmentReplay
-from topple.planner.verify.tolerances import ROUNDED
+from topple.planner.placement.proof import Settled, settled
+from topple.planner.transfer.segments import SegmentKind
+from topple.planner.verify.clouds import beyond_all
+from topple.planner.verify.replay import Finding, Piece, Replay
 from topple.topology.bodies.solids import moved
-from topple.topology.geometry.sides import beyond, joggled_sides
+from topple.topology.geometry.sides import joggled_sides
 
 
-@dataclass(eq=False)
-class RestCheck:
-    """Collects how far things get that are let go in the segments it is shown.
-
-    What is put on a table is asked with the hidden sides, which it may have to stand on; what is put
-    on or into another thing was lowered by what was seen of both. What is put into a container may roll but
-    has to stay in it. A step that says that it lets its object fall is not counted, and told of.
-
-    Attributes:
-        plan: The plan.
-        allowed: What falls as its step says, in sentences.
-    """
-
-    plan: PlanData
-    shift: Worst = field(default_factory=lambda: Worst("shift after letting go", "m", SHIFT))
-    turn: Worst = field(default_factory=lambda: Worst("turn after letting go", "rad", TURN))
-    out: Worst = field(default_factory=lambda: Worst("outside of its container after letting go", "m"))
-    excused: Worst = field(default_factory=lambda: Worst("said to fall, and stays", "1"))
-    allowed: list[str] = field(default_factory=list[str])
-
-    def __post_init__(self) -> None:
-        self._up = np.array(self.plan.up)
-        self._parts, self._whole = parts_of(self.plan), completed_of(self.plan)
-
-    def look(self, piece: SegmentReplay) -> None:
-        """Let go what a step puts down; the piece is the one in which it does."""
-        step = piece.step
-        into, name = step.placement.into, step.object
-        if name not in piece.poses or (into is not None and into not in piece.poses):
-            return  # it is in the hand still, which is told elsewhere
-        containers = {PlaceRelation.WITHIN: into, Away.BIN: BODIES[Away.BIN]}
-        inside = next((of for how, of in containers.items() if how == step.placement.how), None)
-        riding = {held.object for held in step.attachments} - {name}
-        bodies = {n: moved(self._parts[n], pose) for n, pose in piece.poses.items() if n not in riding}
-        if into is None and inside is None:
-            bodies[name] = moved(self._whole[name], piece.poses[name])
+def let_go(replay: Replay) -> tuple[tuple[Piece, Settled], ...]:
+    """Let go what every step puts down; what is in the hand still is left out, which is told elsewhere."""
+    found: list[tuple[Piece, Settled]] = []
+    for piece in replay.of_kind(SegmentKind.RELEASE):
+        place, name = piece.step.placement, piece.step.object
+        if name not in piece.poses or (place.into is not None and place.into not in piece.poses):
+            continue
+        containers = {PlaceRelation.WITHIN: place.into, Away.BIN: BODIES[Away.BIN]}
+        inside = next((of for how, of in containers.items() if how == place.how), None)
+        riding = {held.object for held in piece.step.attachments} - {name}
+        bodies = {other: replay.body(piece, other) for other in piece.poses if other not in riding}
+        if place.into is None and inside is None:
+            bodies[name] = moved(replay.wholes[name], piece.poses[name])
         release = np.eye(4)
-        release[:3, 3] += step.placement.drop * self._up
+        release[:3, 3] += place.drop * replay.up
         container = None if inside is None else np.vstack(bodies[inside])
-        with Drops(name, bodies, self._up) as drops:
-            found = settled(drops, release, np.eye(4), container, self._up)
-        where = f"step {piece.index + 1} ({name})"
-        if step.placement.falls:
-            self.allowed.append(f"{where} is let go to fall: {found}")
-            if found.within():
-                self.excused.count(where, piece.index)
-        elif found.outside is not None:
-            self.out.note(found.outside, where, piece.index)
-        else:
-            self.shift.note(found.shift, where, piece.index)
-            self.turn.note(found.turn, where, piece.index)
-
-    def residuals(self) -> tuple[Residual, ...]:
-        """How far things shift, turn and leave containers, and what of bodies is outside of their wholes."""
-        found = (self.shift, self.turn, self.out, self.excused)
-        return *(worst.residual() for worst in found), _around(self.plan)
+        with Drops(name, bodies, replay.up) as drops:
+            found.append((piece, settled(drops, release, np.eye(4), container, replay.up)))
+    return tuple(found)
 
 
-def _around(plan: PlanData) -> Residual:
-    """How far what was seen of the objects sticks out of the bodies that are taken for whole."""
-    worst = Worst("bodies outside of their wholes", "m", ROUNDED)
-    for thing in plan.objects:
-        hulls = [joggled_sides(np.array(part)) for part in thing.whole]
-        if hulls:
-            seen = np.vstack(thing.parts)
-            out = np.min([beyond(sides, seen) for sides in hulls], axis=0)
-            worst.note(float(out.max()), thing.name)
-    return worst.residual()
+def _kept(replay: Replay, inside: bool) -> Iterator[tuple[Piece, Settled]]:
+    """What is not said to fall, of what is put into a container or of what is not."""
+    for piece, found in replay.once(let_go):
+        if not piece.step.placement.falls and (found.outside is not None) == inside:
+            yield piece, found
+
+
+def shifts(replay: Replay) -> Iterator[Finding]:
+    """How far things get that are let go [m]."""
+    return (piece.finds(found.shift) for piece, found in _kept(replay, inside=False))
+
+
+def turns(replay: Replay) -> Iterator[Finding]:
+    """How far things turn that are let go [rad]."""
+    return (piece.finds(found.turn) for piece, found in _kept(replay, inside=False))
+
+
+def out_of_container(replay: Replay) -> Iterator[Finding]:
+    """How far things are outside of the containers that they are put into [m]."""
+    return (piece.finds(found.outside or 0.0) for piece, found in _kept(replay, inside=True))
+
+
+def excused(replay: Replay) -> Iterator[Finding]:
+    """Things that are said to fall and stay."""
+    for piece, found in replay.once(let_go):
+        if piece.step.placement.falls and found.within():
+            yield piece.finds(1.0)
+
+
+def falling(replay: Replay) -> Iterator[str]:
+    """Say what falls as its step says."""
+    for piece, found in replay.once(let_go):
+        if piece.step.placement.falls:
+            yield f"step {piece.index + 1} ({piece.step.object}) is let go to fall: {found}"
+
+
+def outside_of_wholes(replay: Replay) -> Iterator[Finding]:
+    """How far what was seen of objects sticks out of the bodies that are taken for whole [m]."""
+    for thing in replay.plan.objects:
+        if thing.whole:
+            hulls = [joggled_sides(np.array(part)) for part in thing.whole]
+            yield Finding(float(beyond_all(hulls, np.vstack(thing.parts)).max()), thing.name)

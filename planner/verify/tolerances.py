@@ -1,14 +1,5 @@
 """Thresholds of verify, each with its unit and reason, by the module that asks them."""
 
-# -- by_bullet
-
-DEEPER = 0.004
-"""[m] bodies that touch may be so much deeper in each other on the way than at rest: hulls around."""
-
-BY_BULLET_SLACK = 0.0015
-"""[m] PyBullet's depths of hulls against each other are off by up to a millimetre."""
-
-
 # -- by_fcl
 
 BY_FCL_SLACK = 2e-5
@@ -29,12 +20,12 @@ FILLED = 0.012
 SHARE = 0.98
 """Of the points that have to."""
 
-EVERY = 10
-"""States of which one is looked at: a hand among neighbours moves less than a millimetre from one to the
-next."""
+LOOKED = 0.02
+"""[rad] between the states that are looked at: a hand among neighbours moves a millimetre or two from one to
+the next."""
 
 
-# -- handled
+# -- hand
 
 OFF = 0.001
 """[m] and [rad] / 10 that a tool may be off a grasp or a place: inverse kinematics and rounding."""
@@ -49,7 +40,10 @@ NEAR = 0.008
 """[m] bodies that are meant to touch when one is lifted or put down are this close."""
 
 
-# -- motions
+# -- drive
+
+WRITTEN = 1e-6
+"""[rad] joint values are written with six digits."""
 
 JUMP = 1e-5
 """[rad] between one segment's end and the next one's start: numbers are written with six digits."""
@@ -92,7 +86,7 @@ FEWEST_BETWEEN = 5
 """Points of a body between the pads: fewer are its edge."""
 
 
-# -- claims
+# -- premises
 
 ROUNDED_SCORE = 1e-4
 """Scores and terms are written with six digits."""
@@ -106,7 +100,8 @@ UPWARD = 0.001
 SAME = 0.002
 """[m] bodies made of the same clouds are the same but for what writing them with six digits moves."""
 
-# -- handed
+
+# -- hand, at the end
 
 SHORT = 0.002
 """[m] of the distance that a lift ends at may lack: six digits, and the arm's own rounding."""
@@ -128,7 +123,7 @@ STEP = 0.002
 """[rad] between the states that python-fcl looks at."""
 
 COARSE = 5
-"""States of which PyBullet looks at one: every 0.01 rad."""
+"""States of which joint torques look at one: every 0.01 rad."""
 
 
 # -- outcome

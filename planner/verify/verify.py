@@ -1,42 +1,25 @@
-"""Plans checked again by other means: python-fcl state by state, PyBullet, limits, order, physics, goal."""
+"""Plans checked again by other means than they were made with, claim by claim."""
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 import msgspec
-import numpy as np
 
 from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import ObjectData, PlanData
-from topple.planner.formats.verification import BROKEN, UNFOUND, Residual, Verification, not_evaluated
-from topple.planner.verify.between import BetweenCheck
-from topple.planner.verify.by_fcl import FclCheck
-from topple.planner.verify.claims import check_claims, check_scene
-from topple.planner.verify.clouds import CloudCheck
-from topple.planner.verify.force import ForceCheck
-from topple.planner.verify.handed import HandedCheck, own_bodies
-from topple.planner.verify.handled import HandCheck
-from topple.planner.verify.motions import check_motions
-from topple.planner.verify.outcome import (
-    check_actions,
-    check_goal,
-    check_poses,
-    check_precedence,
-    check_reasons,
-)
-from topple.planner.verify.proofs import UNASKED, Proofs
-from topple.planner.verify.replay import Replay, SegmentReplay
-from topple.planner.verify.rest import RestCheck
-from topple.planner.verify.sight import UNSAID, SightCheck
-from topple.planner.verify.tolerances import COARSE, STEP
+from topple.planner.verify.claims import OF_PLANS, OF_STEPS, UNASKED, Claim
+from topple.planner.verify.hand import own_bodies
+from topple.planner.verify.replay import Replay
+from topple.planner.verify.rest import falling
+from topple.planner.verify.sight import said
+from topple.planner.verify.tolerances import STEP
+from topple.planner.verify.verification import Proof, StepProofs, Verification
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.matter import MATTER
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
-
-NO_SCENE = "no scene was given"
 
 
 def verify(
@@ -48,9 +31,9 @@ def verify(
 ) -> Verification:
     """Check a plan by other means than it was made with.
 
-    Trajectories are looked at every 0.002 rad with python-fcl, and every 0.01 rad with PyBullet, whose
-    kinematics and hulls are its own; what may touch by intent has to have a reason and may not be pressed
-    deeper; that nothing touches between these states is proven by certificates, derived again from the
+    The claims of the table are walked in order, each by its residuals. Trajectories are looked at every
+    0.002 rad with python-fcl; what may touch by intent has to have a reason and may not be pressed into seen
+    points; that nothing touches between these states is proven by certificates, derived again from the
     motions as they are written. Placements are let go in simulation. With the scene, seen points may not be
     entered, hands that come in where no camera saw have to say so, precedence is derived again, and the
     goal's relations are computed where the plan puts the clouds.
@@ -70,95 +53,29 @@ def verify(
             than the plan was made with, or the arm's joints or the scene's objects are not those of the plan.
         NotInstalled: PyBullet is not installed.
     """
-    # here: a plan is made where PyBullet is not installed, too, and with it this module is imported
-    from topple.planner.verify.by_bullet import BulletCheck
-
     arm = _arm(plan, robot)
     situation = None if scene is None else Situation.of(scene)
-    scene = None if situation is None else situation.scene
     if situation is not None:
         _check_names(plan, situation.scene)
         plan = _among_matter(plan, situation)
-    played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
-    handed = HandedCheck(plan, arm)
-    clouds = None if scene is None else CloudCheck(plan, arm, scene)
-    sight = None if situation is None else SightCheck(plan, arm, situation)
-    masses = {} if scene is None else scene.masses
-    between, force = BetweenCheck(plan, arm), ForceCheck(plan, arm, scene)
-    proofs = Proofs(plan, between, force, masses, (step, COARSE * step))
-    put: list[SegmentReplay] = []
-    with BulletCheck(plan, arm) as bullet:
-        for piece in played.segments():
-            for check in (hands, handed, fcl_check, between, proofs):
-                check.look(piece)
-            for check in (bullet, force):
-                check.look(_thinned(piece))
-            for of_scene in (clouds, sight):
-                if of_scene is not None:
-                    of_scene.look(piece)
-            if piece.segment.kind == "release":
-                put.append(piece)
-    rest = RestCheck(plan)
-    for piece in put:
-        rest.look(piece)
-    residuals = [
-        *played.residuals(),  # first: what is not in the hand meets what it is carried past
-        *fcl_check.residuals(),
-        *bullet.residuals(),
-        *check_motions(plan, arm),
-        *between.residuals(),
-        *hands.residuals(),
-        *handed.residuals(),
-        *force.residuals(),
-        *check_claims(plan),
-        *check_precedence(plan, played.taken, situation),
-        *rest.residuals(),
-        check_poses(plan, played.poses),
-    ]
-    if scene is None or situation is None or clouds is None or sight is None:
-        residuals += _left_out()
-    else:
-        residuals += [
-            *clouds.residuals(),
-            *sight.residuals(),
-            *check_scene(plan, situation, arm),
-            check_reasons(plan, situation),
-            check_actions(plan, scene),
-            check_goal(plan, played.poses, played.taken, scene),
-        ]
+    replay = Replay(plan, arm, step, situation)
+    residuals = [check.residual(replay) for claim in (*OF_STEPS, *OF_PLANS) for check in claim.checks]
+    found = {residual.name: residual for residual in residuals}
+
+    def proofs(claims: Sequence[Claim], of: int | None = None) -> tuple[Proof, ...]:
+        return tuple(proof for claim in claims if (proof := claim.proof(replay, found, of)) is not None)
+
     return Verification(
         tuple(residuals),
-        fcl_check.states,
-        (*rest.allowed, *fixture_assumptions(plan.clamped), *(() if sight is None else sight.said)),
-        proofs.steps(residuals),
-        proofs.whole(residuals),
+        sum(len(piece.states) for piece in replay.pieces),
+        (*falling(replay), *fixture_assumptions(plan.clamped), *(() if situation is None else said(replay))),
+        tuple(
+            StepProofs(index, one.object, one.action, proofs(OF_STEPS, index))
+            for index, one in enumerate(plan.steps)
+        ),
+        proofs(OF_PLANS),
         UNASKED,
     )
-
-
-def _left_out() -> list[Residual]:
-    return [
-        not_evaluated(BROKEN, "1", NO_SCENE),
-        not_evaluated("seen points entered", "m", NO_SCENE),
-        not_evaluated("pressed into what it is put on or into", "m", NO_SCENE),
-        not_evaluated("points outside of the plan's bodies", "m", NO_SCENE),
-        not_evaluated("up of the plan against the scene's", "rad", NO_SCENE),
-        not_evaluated("hidden sides of the plan beyond the scene's", "m", NO_SCENE),
-        not_evaluated("base of the plan against the scene's", "m", NO_SCENE),
-        not_evaluated("bodies of the plan beyond the scene's", "m", NO_SCENE),
-        not_evaluated("objects fixed in the plan or the scene alone", "1", NO_SCENE),
-        not_evaluated("assumptions of the scene or the arm left out", "1", NO_SCENE),
-        not_evaluated(UNSAID, "1", NO_SCENE),
-        not_evaluated(UNFOUND, "1", NO_SCENE),
-        not_evaluated("actions that the goal does not ask for", "1", NO_SCENE),
-        not_evaluated("goal clauses unmet", "1", NO_SCENE),
-    ]
-
-
-def _thinned(piece: SegmentReplay) -> SegmentReplay:
-    """The piece with fewer states, its last one among them."""
-    index = np.unique(np.append(np.arange(0, len(piece.states), COARSE), len(piece.states) - 1))
-    return replace(piece, states=piece.states[index])
 
 
 def _arm(plan: PlanData, robot: Arm | str | None) -> Arm:

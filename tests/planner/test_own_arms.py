@@ -8,8 +8,8 @@ import pytest
 
 from topple.planner.cli.main import main
 from topple.planner.execution.run import run
-from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
+from topple.planner.planning.plan_format import plan_from_json, plan_to_json
 from topple.robots.catalog import data_path, robot
 from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.scene import Scene

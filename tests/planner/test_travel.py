@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from topple.planner import NoSafePlan, order, plan, rank_grasps
-from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.grasp.candidates import grasp_candidates
+from topple.planner.planning.plan_format import plan_from_json, plan_to_json
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology import DepthImage, Hull, InvalidInput, Mesh, Scene, relate

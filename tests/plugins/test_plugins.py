@@ -16,10 +16,10 @@ import pytest
 
 from topple.planner.cli.main import main
 from topple.planner.export import EXPORTERS, export
-from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.grasp.foreign import GRASP_READERS, read_grasps
 from topple.planner.planning.order import cautious, ordered
 from topple.planner.planning.plan import plan
+from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.step import ORDERERS
 from topple.robots.catalog import ROBOTS, names, robot
 from topple.robots.scenarios import SCENARIOS, scenario_called

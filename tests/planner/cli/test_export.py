@@ -11,8 +11,8 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from topple.planner.cli.main import main
-from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
+from topple.planner.planning.plan_format import plan_from_json, plan_to_json
 from topple.robots.catalog import robot
 from topple.topology.scene.scene import Scene
 

@@ -12,7 +12,7 @@ import pytest
 
 from topple.planner.cli.main import main
 from topple.planner.cli.robot_options import base_of
-from topple.planner.formats.plan_format import plan_from_json
+from topple.planner.planning.plan_format import plan_from_json
 from topple.robots.world.bodies import Body
 from topple.topology.scene.scene import Scene
 

@@ -7,7 +7,7 @@ from on_table import balance
 
 from topple.planner.execution.demo import demo
 from topple.planner.execution.run import run
-from topple.planner.formats.plan_format import plan_from_json
+from topple.planner.planning.plan_format import plan_from_json
 
 
 @pytest.mark.slow

@@ -3,8 +3,8 @@
 import pytest
 
 from topple.planner.export.pddl import domain_and_problem
-from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_structs import GraspData, PlacementData, Step
+from topple.planner.planning.plan_format import Plan
 
 pytest.importorskip("unified_planning", reason="needs unified-planning (dev extra)")
 pytest.importorskip("up_pyperplan", reason="needs up-pyperplan (dev extra)")

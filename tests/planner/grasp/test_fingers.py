@@ -12,7 +12,6 @@ from topple.benchmarks.sabotages.caught import ROUGH
 from topple.planner.decide.arrange import Order
 from topple.planner.failure import FailureLog
 from topple.planner.fallbacks import Fallback
-from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.fingers import coming_unseen
 from topple.planner.grasp.grasp import Grasp
@@ -20,9 +19,9 @@ from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.rank import rank_grasps
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
+from topple.planner.planning.plan_format import plan_from_json, plan_to_json
 from topple.planner.transfer.handling import Handling
 from topple.planner.verify import verify
-from topple.planner.verify.sight import UNSAID
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box
@@ -144,7 +143,7 @@ def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted() -> None
     forged = json.loads(plan_to_json(made))
     forged["steps"][0] |= {"unseen": False, "fallbacks": []}
     checked = verify(plan_from_json(json.dumps(forged)), hidden, step=ROUGH)
-    assert [residual.name for residual in checked.failed] == [UNSAID]
+    assert [residual.name for residual in checked.failed] == ["hands that come in unseen and are not said to"]
     assert checked.failed[0].witness == "step 1 (block)"
     assert [proof.what for proof in checked.refuted] == ["it tells of itself what is so"]
     said = verify(made, hidden, step=ROUGH)

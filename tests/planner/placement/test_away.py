@@ -8,9 +8,9 @@ import pytest
 from on_table import BASE
 
 from topple.benchmarks.sabotages.caught import CASES, ROUGH, scene_for
-from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.placement.away import BODIES, Away, Destination
 from topple.planner.planning.plan import plan
+from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify import verify
 from topple.topology.base.errors import InvalidInput

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.grasp import grasp_candidates
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.proof import Proof
 from topple.planner.planning.plan import plan
+from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.robots.shapes.fruit import orange

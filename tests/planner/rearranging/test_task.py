@@ -15,8 +15,8 @@ from topple.planner.cli.main import main
 from topple.planner.decide.arrange import Order
 from topple.planner.execution.demo import loop_in
 from topple.planner.execution.goal_poses import off_goal_pose
-from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.planning.order import cautious
+from topple.planner.planning.plan_format import plan_from_json, plan_to_json
 from topple.planner.planning.step import Context, NextStep, Orderer, Station
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act

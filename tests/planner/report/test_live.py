@@ -75,8 +75,8 @@ def test_the_rule_and_the_orderer_that_are_named_are_used(stack) -> None:
 
 
 def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
-    from topple.planner.formats.plan_format import Plan
     from topple.planner.formats.plan_structs import GraspData, PlacementData, Step
+    from topple.planner.planning.plan_format import Plan
 
     aside = np.eye(4)
     aside[0, 3] = 0.3

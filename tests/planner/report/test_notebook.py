@@ -7,10 +7,10 @@ from html import unescape
 
 import pytest
 
-from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_structs import DependencyData, ObjectData
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import order
+from topple.planner.planning.plan_format import Plan
 from topple.topology import Scene
 from topple.topology.relations.relate import relate
 

@@ -5,8 +5,8 @@ import pytest
 from on_table import BASE
 
 from topple.planner import plan
-from topple.planner.formats.plan_format import Plan
 from topple.planner.placement.free_space import free_spaces
+from topple.planner.planning.plan_format import Plan
 from topple.planner.verify.replay import Replay
 from topple.robots import shapes
 from topple.robots.catalog import robot
@@ -60,7 +60,7 @@ def inside(found: Plan, part: str) -> int:
     arm, count = robot(found.robot), 0
     body, pose = true(part)
     solid, base = moved(body.parts, pose), np.array(found.pose_base_to_world)
-    for piece in Replay(found, arm, 0.05).segments():
+    for piece in Replay(found, arm, 0.05).pieces:
         links = np.matmul(base, arm.forward(piece.states, piece.hand))
         tools = np.matmul(base, arm.tool_pose(piece.states, piece.segment.tool))
         for k in range(len(piece.states)):

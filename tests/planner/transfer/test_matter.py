@@ -5,9 +5,9 @@ import pytest
 
 from topple.planner import plan, run
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_format import Plan
 from topple.planner.grasp.surroundings import surroundings
 from topple.planner.placement.free_space import free_spaces
+from topple.planner.planning.plan_format import Plan
 from topple.planner.verify.replay import Replay
 from topple.robots import shapes
 from topple.robots.catalog import robot
@@ -52,7 +52,7 @@ def deepest(found: Plan, screen: FloatArray, what: Body = SCREEN) -> int:
     arm = robot(found.robot)
     true, count = moved(what.parts, screen), 0
     base = np.array(found.pose_base_to_world)
-    for piece in Replay(found, arm, 0.02).segments():
+    for piece in Replay(found, arm, 0.02).pieces:
         links = np.matmul(base, arm.forward(piece.states, piece.hand))
         tools = np.matmul(base, arm.tool_pose(piece.states, piece.segment.tool))
         for k in range(len(piece.states)):

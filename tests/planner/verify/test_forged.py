@@ -13,10 +13,10 @@ from topple.benchmarks.sabotages.caught import CASES, ROUGH, planned, scene_for
 from topple.benchmarks.sabotages.motions import a_spline_that_swings_out
 from topple.planner.decide.goal import Action, PlaceRelation, parse_goal
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan, plan_as_done
+from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.step import NextStep, Station
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.planner.verify import Verification, verify

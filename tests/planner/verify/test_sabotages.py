@@ -6,7 +6,7 @@ import pytest
 
 from topple.benchmarks.sabotages.catalogue import SPOILT, UNREADABLE
 from topple.benchmarks.sabotages.caught import CASES, ROUGH, catch, planned, scene_for
-from topple.planner.formats.plan_format import plan_from_json, plan_to_json
+from topple.planner.planning.plan_format import plan_from_json, plan_to_json
 from topple.planner.verify import Verification, verify
 from topple.topology.base.errors import InvalidInput
 

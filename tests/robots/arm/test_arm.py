@@ -35,8 +35,12 @@ def test_forward_kinematics_agree_with_pybullet(name: str) -> None:
             for j in range(pybullet.getNumJoints(body, physicsClientId=client))
         ]
         assert len(infos) >= len(arm.joints)
-        for q in random_states(arm, 20):
+        for q in (arm.home, *random_states(arm, 20)):
             poses = arm.forward(q, state)[0]
+            for tool in arm.tools.values():  # of a cup that slides the frame is where it is out
+                if tool.link in arm.links and tool.name == "fingers":
+                    frame = poses[arm.links.index(tool.link)] @ tool.pose_tool_to_link
+                    assert np.abs(frame - arm.tool_pose(q, tool.name)[0]).max() < 1e-6
             values = arm.joint_values(q, state)
             for info in infos:
                 value = values.get(info[1].decode(), 0.0)

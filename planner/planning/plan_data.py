@@ -11,6 +11,7 @@ from topple.planner.formats.plan_structs import (
     DependencyData,
     GraspData,
     HandState,
+    Matrix,
     Motion,
     ObjectData,
     PlacementData,
@@ -18,8 +19,8 @@ from topple.planner.formats.plan_structs import (
     Step,
 )
 from topple.planner.placement.away import Receiver
+from topple.planner.planning.step import NextStep
 from topple.planner.transfer.segments import Segment
-from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.arrays import FloatArray
 from topple.topology.situation.situation import Situation
 
@@ -27,54 +28,40 @@ DIGITS = 6  # micrometres and microradians: below what any arm can tell
 
 
 def step_data(
-    transfer: Transfer,
-    action: str,
+    chosen: NextStep,
     reason: str,
     after: list[int],
-    moved: Mapping[str, FloatArray] | None = None,
-    planning_seconds: float = 0.0,
-    against: Sequence[DependencyData] = (),
-    fallbacks: Sequence[str] = (),
-    buffer: bool = False,
+    moved: Mapping[str, FloatArray],
+    seconds: float,
+    against: list[DependencyData],
 ) -> Step:
-    """A transfer as a step of a plan.
+    """A step as a plan has it, its numbers rounded to a millionth.
 
     Args:
-        transfer: The transfer.
-        action: "remove", "free" or "place".
+        chosen: The step, with its transfer.
         reason: Why, in a sentence.
         after: Indices of the steps it has to follow.
         moved: Rigid transforms (4, 4) of the objects since the plan began, for those that moved.
-        planning_seconds: What it took to find it.
+        seconds: What it took to find it.
         against: Doubtful dependencies that it goes against.
-        fallbacks: What was tried to find it where the plain way failed.
-        buffer: Whether it only makes room for a while.
-
-    Returns:
-        The step, its numbers rounded to a millionth.
     """
-    grasp, place = transfer.grasp, transfer.placement
+    transfer, grasp, place = chosen.transfer, chosen.transfer.grasp, chosen.transfer.placement
     to_tool = np.linalg.inv(grasp.pose_tool_to_world)
-    since = moved or {}
-    attachments = [
-        AttachmentData(name, grasp.tool, np.round(to_tool @ since.get(name, np.eye(4)), DIGITS).tolist())
-        for name in (transfer.object, *transfer.riding)
-    ]
     return Step(
         object=transfer.object,
-        action=action,
+        action=str(chosen.action),
         reason=reason,
         after=after,
         grasp=GraspData(
             str(grasp.kind),
-            np.round(grasp.pose_tool_to_world, DIGITS).tolist(),
+            _rounded(grasp.pose_tool_to_world),
             round(grasp.width, DIGITS),
             round(grasp.score, DIGITS),
             grasp.reason,
             {name: round(value, DIGITS) for name, value in grasp.terms.items()},
         ),
         placement=PlacementData(
-            np.round(place.pose_before_to_after, DIGITS).tolist(),
+            _rounded(place.pose_before_to_after),
             place.rest,
             round(place.drop, DIGITS),
             place.into,
@@ -82,19 +69,26 @@ def step_data(
             place.falls,
         ),
         segments=[segment_data(segment) for segment in transfer.segments],
-        attachments=attachments,
+        attachments=[
+            AttachmentData(name, grasp.tool, _rounded(to_tool @ moved.get(name, np.eye(4))))
+            for name in (transfer.object, *transfer.riding)
+        ],
         upright=transfer.upright,
-        planning_seconds=round(planning_seconds, 3),
-        against=list(against),
-        fallbacks=[str(name) for name in fallbacks],
-        buffer=buffer,
+        planning_seconds=round(seconds, 3),
+        against=against,
+        fallbacks=[str(name) for name in chosen.all_fallbacks],
+        buffer=chosen.buffer,
         unseen=grasp.unseen,
     )
 
 
+def _rounded(matrix: FloatArray) -> Matrix:
+    return np.round(matrix, DIGITS).tolist()
+
+
 def away_data(away: Receiver) -> AwayData:
     """Where things go that are taken, as data."""
-    return AwayData(str(away.how), np.round(away.pose, DIGITS).tolist(), np.round(away.size, DIGITS).tolist())
+    return AwayData(str(away.how), _rounded(away.pose), np.round(away.size, DIGITS).tolist())
 
 
 def said_unseen(steps: Sequence[Step]) -> tuple[str, ...]:
@@ -125,7 +119,7 @@ def objects_data(situation: Situation) -> list[ObjectData]:
 
 def rounded_parts(parts: Sequence[FloatArray]) -> list[list[list[float]]]:
     """Convex parts (V, 3) as a plan keeps them."""
-    return [np.round(part, DIGITS).tolist() for part in parts]
+    return [_rounded(part) for part in parts]
 
 
 def segment_data(segment: Segment) -> SegmentData:
@@ -133,13 +127,9 @@ def segment_data(segment: Segment) -> SegmentData:
     hand = HandState(round(segment.hand.opening, DIGITS), round(segment.hand.cup_extension, DIGITS))
     motion = None
     if segment.trajectory is not None:
-        times = np.round(segment.trajectory.times, DIGITS)
+        times, positions, velocities = (np.round(each, DIGITS) for each in segment.trajectory)
         kept = np.append(np.diff(times) > 0.0, True)  # the last sample may follow within a microsecond
-        motion = Motion(
-            times[kept].tolist(),
-            np.round(segment.trajectory.positions, DIGITS)[kept].tolist(),
-            np.round(segment.trajectory.velocities, DIGITS)[kept].tolist(),
-        )
+        motion = Motion(times[kept].tolist(), positions[kept].tolist(), velocities[kept].tolist())
     proof = segment.certificate
     found = proof.contact if proof is not None else None
     return SegmentData(

@@ -1,19 +1,10 @@
 """What checks found: residuals, at most 0 where all is well, and what they prove of each step."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import msgspec
-
-BROKEN = "dependencies of the scene broken"
-"""The check that holds a plan's order against the dependencies found in the scene."""
-
-UNFOUND = "dependencies that the scene does not give"
-"""The check that holds a plan's dependencies, with reason and confidence, against those found again."""
-
-OFF_PLACE = "bodies off the place they shall have"
-"""The check that holds where a plan leaves things against where they shall lie."""
 
 
 @dataclass(frozen=True)
@@ -148,45 +139,3 @@ class Verification:
     def to_json(self) -> dict[str, Any]:
         """As JSON has it; what was not evaluated is null."""
         return {"ok": self.ok, **msgspec.json.decode(msgspec.json.encode(self))}
-
-
-@dataclass
-class Worst:
-    """The worst of many values of one thing, in the making.
-
-    Attributes:
-        name: What.
-        unit: Its unit.
-        allowed: What is allowed.
-        value: The worst so far.
-        witness: Where that was.
-        steps: Indices of the steps in which more than is allowed was noted.
-    """
-
-    name: str
-    unit: str
-    allowed: float = 0.0
-    value: float = 0.0
-    witness: str = ""
-    steps: set[int] = field(default_factory=set[int])
-
-    def note(self, value: float, witness: str, step: int | None = None) -> None:
-        """Take a value into account, with the index of the step it is of, if it is of one."""
-        if step is not None and not value <= self.allowed:
-            self.steps.add(step)
-        if value > self.value or not math.isfinite(value):
-            self.value, self.witness = value, witness
-
-    def count(self, witness: str, step: int | None = None) -> None:
-        """Take down one more of what there should be none of."""
-        self.note(self.value + 1.0, f"{self.witness}; {witness}" if self.witness else witness, step)
-
-    def residual(self) -> Residual:
-        """The residual: the worst value beyond what is allowed."""
-        steps = tuple(sorted(self.steps))
-        return Residual(self.name, self.value - self.allowed, self.unit, self.witness, self.allowed, steps)
-
-
-def not_evaluated(name: str, unit: str, why: str) -> Residual:
-    """A residual of what could not be checked."""
-    return Residual(name, math.inf, unit, why)
