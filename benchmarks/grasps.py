@@ -17,7 +17,7 @@ from topple.benchmarks.clock import cpu_seconds
 from topple.benchmarks.clouds import frame
 from topple.benchmarks.row import Progress, Row, faster
 from topple.planner.grasp.foreign import grasps_from_array
-from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.jaw import hand_shape
 from topple.planner.grasp.rank import RankedGrasp, rank_grasps
 from topple.planner.grasp.suction import cup_shape
 from topple.robots.catalog import robot

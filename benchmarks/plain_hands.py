@@ -53,7 +53,7 @@ def against(grasp: Grasp, scene: Scene, hand: HandShape, cup: CupShape) -> str:
         ]  # fmt: skip
         if grasp.tool == "suction" and name != grasp.object:
             within.append(
-                (np.hypot(local[:, 0], local[:, 1]) < cup.radius + margin) & (local[:, 2] < -margin)
+                (np.hypot(local[:, 0], local[:, 1]) < cup.cup.radius + margin) & (local[:, 2] < -margin)
             )
         if any(np.count_nonzero(inside) > GRASP_TOLERANCES.stray_points for inside in within):
             met.append(name)

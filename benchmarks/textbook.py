@@ -125,7 +125,7 @@ def trial(name: str, arm: str, seed: int) -> str:
 
 def seals(name: str, seed: int, cup: CupShape) -> bool:
     """Whether a cup is found to hold a flat thing."""
-    return bool(grasp_candidates(name, scene_of({name: FLAT[name]}, seed), cup=cup))
+    return bool(grasp_candidates(name, scene_of({name: FLAT[name]}, seed), tools=[cup]))
 
 
 def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:

@@ -95,14 +95,7 @@ def _print(robot: str, said: dict[str, Any], line: str, arm: "Arm") -> None:
 
 def _tool_words(tool: dict[str, Any]) -> str:
     at = " ".join(f"{row[3]:.3f}" for row in tool["pose_tool_to_link"][:3])
-    if tool["kind"] == "jaw":
-        low, high = (1e3 * value for value in tool["opening"])
-        pads = " x ".join(f"{1e3 * value:.0f}" for value in tool["pads"])
-        jaw = "hinged jaw" if tool["hinged"] else "jaw"
-        what = f"a {jaw} that opens {low:.0f} to {high:.0f} mm, pads {pads} mm, {tool['force']:.0f} N"
-    else:
-        what = f"a cup of radius {1e3 * tool['radius']:.0f} mm that holds {tool['force']:.0f} N"
-    return f"Tool {tool['name']} at {at} in {tool['link']}: {what}."
+    return f"Tool {tool['name']} at {at} in {tool['link']}: {tool['words']}."
 
 
 def _grasp_words(said: dict[str, Any]) -> str:

@@ -10,8 +10,6 @@ from topple.planner.execution.tolerances import POSES, SOLVED, STATES
 from topple.planner.execution.trial import Trial, trial
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ParallelJaw
-from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.home import reach_of
 from topple.robots.engines import INSTALLED
 from topple.topology.base.errors import NotInstalled, ToppleError
@@ -174,20 +172,11 @@ def _still(arm: Arm) -> list[str]:
 
 def _tool(arm: Arm, name: str) -> dict[str, Any]:
     tool = arm.tools[name]
-    held = tool.gripper
-    found: dict[str, Any] = {
+    return {
         "name": str(name),
         "link": tool.link,
         "pose_tool_to_link": tool.pose_tool_to_link.tolist(),
         "links": list(tool.links),
+        **tool.gripper.facts(),
+        "words": str(tool.gripper),
     }
-    if isinstance(held, ParallelJaw):
-        return found | {
-            "kind": "jaw",
-            "hinged": isinstance(held, HingedJaw),
-            "joints": list(held.joints),
-            "opening": [float(held.openings[0]), held.max_opening],
-            "pads": list(held.pad_size),
-            "force": held.force,
-        }
-    return found | {"kind": "cup", "radius": held.radius, "stroke": held.stroke, "force": held.max_force}

@@ -10,7 +10,6 @@ from topple.planner.execution.tolerances import (
     FAR,
     JOINING,
     LETTING_GO,
-    NOTHING,
     OFF_COURSE,
     PATH_SAMPLES,
     RESUMED,
@@ -21,14 +20,13 @@ from topple.planner.execution.tolerances import (
     TOUCHDOWN,
 )
 from topple.planner.formats.arm_motion import ArmMotion, Carry
-from topple.planner.grasp.tolerances import PRESS
+from topple.planner.grasp.tolerances import RELEASE_GAP
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import Trajectory, retime
 from topple.planner.transfer.segments import Segment, SegmentKind
-from topple.planner.transfer.tolerances import MARGIN, RELEASE_GAP
+from topple.planner.transfer.tolerances import MARGIN
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.gripper import ToolName
 from topple.robots.driver import Driver, Motion
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.physical_world import PhysicalWorld
@@ -43,11 +41,6 @@ WATCHED = (
     SegmentKind.PLACE,
 )  # segments during which the object must be in the hand
 GUARDED = (SegmentKind.APPROACH, SegmentKind.PLACE)  # segments that a force at the wrist ends
-TOUCHED: dict[str, float] = {
-    ToolName.FINGERS: 2.0,
-    ToolName.SUCTION: 8.0,
-}  # [N] moves no can yet; seats a cup's lip
-
 
 TAKEN, LET_GO, MISSED = "taken", "let go", "missed"
 Watch = Callable[[str, str], None]
@@ -190,7 +183,7 @@ def taken_over(world: PhysicalWorld, robot: ActingArm, name: str) -> None:
 def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> str | None:
     """Drives one segment; a sentence where it went wrong. Where it was off its path and went on is noted."""
     if segment.kind is SegmentKind.GRASP:
-        return _take(segment, name, robot)
+        return robot.arm.tools[segment.tool].gripper.take(robot, name)
     if segment.kind is SegmentKind.RELEASE:
         # what is held may be wider than it looked
         _let_go(robot, max(segment.hand.opening, robot.opening + RELEASE_GAP))
@@ -198,17 +191,18 @@ def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> st
         return None
     if segment.trajectory is None:
         return None
+    gripper = robot.arm.tools[segment.tool].gripper
     if segment.kind in (SegmentKind.MOVE, SegmentKind.APPROACH, SegmentKind.RETREAT):
-        if segment.tool == ToolName.SUCTION or segment.kind is SegmentKind.MOVE:
+        if gripper.most.cup_extension or segment.kind is SegmentKind.MOVE:
             robot.extend(segment.hand.cup_extension)
         if segment.kind is not SegmentKind.RETREAT:
             robot.open(segment.hand.opening)
-            if robot.opening < (wanted := _within(robot, segment.hand.opening)) - SHUT:
+            if robot.opening < (wanted := min(segment.hand.opening, robot.arm.most.opening)) - SHUT:
                 short = f"{1e3 * robot.opening:.0f} mm instead of {1e3 * wanted:.0f} mm"
                 return f"the hand does not open: its pads are {short} apart."
-    guard = TOUCHDOWN if segment.kind is SegmentKind.PLACE else TOUCHED.get(segment.tool)
-    if segment.kind in GUARDED and guard is not None:
+    if segment.kind in GUARDED:
         robot.wait(STILL)
+        guard = TOUCHDOWN if segment.kind is SegmentKind.PLACE else gripper.touch
         error = robot.follow_until(segment.trajectory, guard)
     else:  # a hand that gave way as it closed lifts straight up from where it is
         lifting = segment.kind is SegmentKind.LIFT
@@ -219,22 +213,13 @@ def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> st
             error = _resume(segment.trajectory, robot)
             if error <= OFF_COURSE:
                 resumed.append(str(segment.kind))
-    if (
-        segment.kind is SegmentKind.APPROACH
-        and segment.tool == ToolName.FINGERS
-        and _way_left(segment, robot) > SHALLOW
-    ):
+    if segment.kind is SegmentKind.APPROACH and not gripper.presses and _way_left(segment, robot) > SHALLOW:
         return f"the fingers met something on their way to {name}."
     if segment.kind in WATCHED and not robot.holding:
         return f"{name} slipped out of the hand during the {segment.kind}."
     if error > OFF_COURSE:
         return f"the arm was held up during the {segment.kind}."
     return None
-
-
-def _within(robot: Driver, opening: float) -> float:
-    """What a jaw can open to of what is asked for [m]; 0 without one."""
-    return 0.0 if robot.arm.jaw is None else min(opening, robot.arm.jaw.max_opening)
 
 
 def _resume(path: Motion, robot: Driver) -> float:
@@ -267,18 +252,6 @@ def _way_left(segment: Segment, robot: Driver) -> float:
     states = np.stack([robot.q_target, segment.trajectory.positions[-1]])
     here, there = robot.arm.tool_pose(states, segment.tool)[:, :3, 3]
     return float(np.linalg.norm(there - here))
-
-
-def _take(segment: Segment, name: str, robot: Driver) -> str | None:
-    if segment.tool == ToolName.SUCTION:
-        robot.wait(0.2)
-        return None if robot.suck() else f"the cup found no seal on {name}."
-    jaw = robot.arm.tools[segment.tool].gripper
-    opening = robot.close(PRESS * getattr(jaw, "force", 0.0))
-    robot.wait(0.2)
-    if opening < NOTHING or not robot.holding:
-        return f"the fingers closed {'on nothing' if opening < NOTHING else f'without holding {name}'}."
-    return None
 
 
 def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:

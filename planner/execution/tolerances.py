@@ -41,9 +41,6 @@ SHUT = 0.01
 LETTING_GO = 3
 """Times that a hand is told to let go before it is taken for stuck."""
 
-NOTHING = 0.001
-"""[m] pads closer than this have nothing between them."""
-
 AT_HOME = 0.01
 """[rad]."""
 
@@ -192,12 +189,6 @@ POSES = 1000
 
 TRIAL_BLOCK = 0.05
 """[m] side of the block: a toy block."""
-
-TRIAL_SHARE = 0.6
-"""Of the pads' distance, what the block takes at most: room for what the cameras see wrong."""
-
-TRIAL_SHARE_HINGED = 0.75
-"""The same where one finger turns: the fixed one reaches beyond it, and a low block leaves that no room."""
 
 TRIAL_MASS = 0.1
 """[kg] of the block, as of wood."""

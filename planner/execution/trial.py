@@ -16,8 +16,6 @@ from topple.planner.execution.tolerances import (
     TRIAL_MASS,
     TRIAL_OVER,
     TRIAL_SEEDS,
-    TRIAL_SHARE,
-    TRIAL_SHARE_HINGED,
     TRIAL_SHARES,
     TRIAL_SPACING,
     TRIAL_STATES,
@@ -27,8 +25,6 @@ from topple.planner.execution.tolerances import (
 )
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ParallelJaw
-from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.home import level_of, reach_of, scale_of, shoulder_of
 from topple.topology.scene.scene import Scene
 
@@ -81,9 +77,7 @@ def trial(arm: Arm, tool: str) -> Trial | None:
         The block where the hand gets to it from above, and to places beside it; None where there is no such
         place. At the height of the base's foot where the arm is as low as that.
     """
-    jaw = arm.tool(tool).gripper
-    share = TRIAL_SHARE_HINGED if isinstance(jaw, HingedJaw) else TRIAL_SHARE
-    side = min(TRIAL_BLOCK, share * jaw.max_opening) if isinstance(jaw, ParallelJaw) else TRIAL_BLOCK
+    side = min(TRIAL_BLOCK, arm.tool(tool).gripper.widest)
     for place, bearing in _places(arm, tool, side):
         if _reached(arm, tool, found := Trial(side, place), bearing):
             return found

@@ -84,7 +84,7 @@ def _send(bag: "_Recording", plan: Plan, step: Step, segment: SegmentData, comma
     """A segment; the hand is brought to its place before the motion. Returns where the hand is then."""
     about = {"object": step.object, "action": step.action, "kind": segment.kind, "tool": segment.tool}
     bag.say("/topple/segment", {**about, "holding": segment.holding})
-    hand = segment.hand.cup_extension if segment.tool == "suction" else segment.hand.opening
+    hand = segment.hand.opening if step.grasp.width else segment.hand.cup_extension
     if hand != command:
         bag.send("/gripper_command", bag.make("control_msgs/GripperCommand", hand, 0.0))
         bag.seconds += HAND_SECONDS

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any, cast
 import msgspec
 
 from topple.planner.tolerances import ALIKE
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool
+from topple.robots.arm.gripper import Tool
 from topple.robots.arm.gripper_file import Gripper
-from topple.robots.arm.hinged import HingedJaw
-from topple.robots.arm.tolerances import BESIDE, CUP_FRICTION
+from topple.robots.arm.tolerances import CUP_FRICTION
 from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -71,14 +70,15 @@ class CupData(msgspec.Struct, frozen=True):
 
 
 class ToolData(msgspec.Struct, frozen=True):
-    """A tool: its frame has z out of the hand, y in the closing direction; a jaw or a cup.
+    """A tool: its frame has z out of the hand, y in the closing direction; a jaw, a cup, or another kind.
 
     Attributes:
-        name: "fingers" or "suction", as the segments name it.
+        name: "fingers" or "suction", or another package's, as the segments name it.
         link: Link that carries the frame.
         pose_tool_to_link: (4, 4) where the frame is in it.
-        jaw: The jaw; null for a cup.
-        cup: The cup; null for a jaw.
+        jaw: The jaw; null for another kind.
+        cup: The cup; null for another kind.
+        more: What another package's gripper says of itself; left out for others.
     """
 
     name: str
@@ -86,6 +86,7 @@ class ToolData(msgspec.Struct, frozen=True):
     pose_tool_to_link: Matrix
     jaw: JawData | None = None
     cup: CupData | None = None
+    more: dict[str, Any] | msgspec.UnsetType = msgspec.UNSET
 
 
 class ArmData(msgspec.Struct, frozen=True):
@@ -182,20 +183,8 @@ def _alike(told: Any, found: Any) -> bool:
 
 
 def _tool_data(tool: Tool) -> ToolData:
-    held = tool.gripper
-    pose = tool.pose_tool_to_link.tolist()
-    if isinstance(held, ParallelJaw):
-        jaw = JawData(
-            list(held.joints), list(held.links), held.openings.tolist(), held.joint_values.tolist(),
-            held.force, held.pad_size, held.friction, [] if held.arc is None else held.arc.tolist(),
-            BESIDE if isinstance(held, HingedJaw) else None,
-        )  # fmt: skip
-        return ToolData(tool.name, tool.link, pose, jaw=jaw)
-    assert isinstance(held, SuctionCup)
-    cup = CupData(
-        held.link, held.joint, held.stroke, held.radius, held.max_force, held.lip_depth, held.friction
-    )
-    return ToolData(tool.name, tool.link, pose, cup=cup)
+    frame = {"name": tool.name, "link": tool.link, "pose_tool_to_link": tool.pose_tool_to_link.tolist()}
+    return msgspec.convert({**frame, **tool.gripper.data()}, ToolData)
 
 
 def _named(path: Path) -> str:

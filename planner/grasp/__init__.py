@@ -3,6 +3,6 @@
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.prisms import Prism
+from topple.robots.collision.prisms import Prism
 
 __all__ = ["Grasp", "HandShape", "Prism", "grasp_candidates"]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.grasp.tolerances import CELLS_EDGE, GROUP
+from topple.planner.grasp.tolerances import ASIDE, CELLS_EDGE, GRASP_TOLERANCES, GROUP
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 MOST = 64  # grasps of a group worked on at once: their tables stay within the processor's cache
@@ -30,6 +30,22 @@ class Region:
     lower: FloatArray
     upper: FloatArray
     radius: float = np.inf
+
+
+def swept(
+    count: int,
+    x_low: float,
+    x_high: float,
+    y_low: float | FloatArray,
+    y_high: float | FloatArray,
+    front: float,
+) -> Region:
+    """A prism of `count` hands with everything behind it, as far as it is cleared of what lies below."""
+    lower, upper = np.empty((count, 3)), np.empty((count, 3))
+    for axis, (low, high) in enumerate(((x_low, x_high), (y_low, y_high))):
+        lower[:, axis], upper[:, axis] = np.maximum(low, -ASIDE), np.minimum(high, ASIDE)
+    lower[:, 2], upper[:, 2] = -GRASP_TOLERANCES.reach, front - GRASP_TOLERANCES.under_clearance
+    return Region(lower, upper)
 
 
 @dataclass(frozen=True, eq=False)

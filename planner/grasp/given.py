@@ -6,9 +6,8 @@ from dataclasses import replace
 
 from topple.planner.grasp.candidates import varied
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.judge import judged
+from topple.planner.grasp.judge import judged, reachable
 from topple.planner.grasp.rank import RankedGrasp
-from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.grasp.tolerances import MOST_GIVEN

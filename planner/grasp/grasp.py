@@ -4,28 +4,28 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.robots.arm.gripper import Tool, ToolName
+from topple.planner.grasp.shape import GRIPPERS
+from topple.robots.arm.gripper import FINGERS, Tool
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray, frozen
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.values import ByValue, Word
+from topple.topology.base.values import ByValue
 
-
-class GraspKind(Word):
-    """How a hand takes hold."""
-
-    PINCH = "pinch"
-    """Both pads on the object's outside."""
-    RIM = "rim"
-    """One finger inside it."""
-    SUCTION = "suction"
-    """The cup on a smooth patch."""
-
-
-KINDS = tuple(GraspKind)
+PINCH, RIM = "pinch", "rim"
+"""Fingers take hold of an object's outside with both pads, or with one of them inside it."""
 
 HALF_TURN = frozen(np.diag([-1.0, -1.0, 1.0, 1.0]))
 """(4, 4) half a turn of the hand about its approach."""
+
+
+def kinds() -> tuple[str, ...]:
+    """All ways to take hold that there are."""
+    return (PINCH, RIM, *(name for name in GRIPPERS if name != FINGERS))
+
+
+def tool_of(kind: str) -> str:
+    """The tool that takes hold in a way: fingers in two, and every other tool in the one called like it."""
+    return FINGERS if kind in (PINCH, RIM) else kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Grasp(ByValue):
 
     Attributes:
         object: Name of the object in the scene.
-        kind: How it takes hold.
+        kind: How it takes hold: `PINCH`, `RIM`, or what its tool is called.
         pose_tool_to_world: (4, 4) rigid pose of the tool frame: z the approach direction, y the closing
             direction, origin between the pads' centres once they hold (suction: the centre of the cup's lip).
         width: Extent of what is between the pads along y [m]; 0 for suction.
@@ -46,7 +46,7 @@ class Grasp(ByValue):
     """
 
     object: str
-    kind: GraspKind
+    kind: str
     pose_tool_to_world: FloatArray
     width: float
     opening: float
@@ -58,9 +58,10 @@ class Grasp(ByValue):
     def __post_init__(self) -> None:
         pose = frozen(self.pose_tool_to_world)
         object.__setattr__(self, "pose_tool_to_world", pose)
-        if self.kind not in KINDS:  # a string of the same value is one
-            raise InvalidInput(f"grasp of {self.object!r}: kind {self.kind!r} is none of {', '.join(KINDS)}")
-        object.__setattr__(self, "kind", GraspKind(self.kind))
+        if self.kind not in kinds():
+            raise InvalidInput(
+                f"grasp of {self.object!r}: kind {self.kind!r} is none of {', '.join(kinds())}"
+            )
         if pose.shape != (4, 4) or not np.all(np.isfinite(pose)):
             raise InvalidInput(f"grasp of {self.object!r}: its pose must be a finite 4x4 matrix")
         rotation = pose[:3, :3]
@@ -71,8 +72,8 @@ class Grasp(ByValue):
 
     @property
     def tool(self) -> str:
-        """The arm's tool that makes this grasp: "suction" or "fingers"."""
-        return ToolName.SUCTION if self.kind is GraspKind.SUCTION else ToolName.FINGERS
+        """The arm's tool that makes this grasp."""
+        return tool_of(self.kind)
 
     @property
     def approach(self) -> FloatArray:
@@ -94,11 +95,11 @@ class Grasp(ByValue):
         Args:
             other: The other grasp, of the same object.
             distance: Between the tools' origins, in [m]: about a pad's width.
-            angle: Between approaches and between closing directions, in [rad]; the latter do not matter
-                to a cup.
+            angle: Between approaches and between closing directions, in [rad]; the latter matter to
+                fingers alone.
         """
         a, b = self.pose_tool_to_world, other.pose_tool_to_world
-        axes = (2,) if self.tool == ToolName.SUCTION else (1, 2)
+        axes = (1, 2) if self.kind in (PINCH, RIM) else (2,)
         along = [abs(float(a[:3, axis] @ b[:3, axis])) for axis in axes]
         close = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < distance
         return self.tool == other.tool and close and min(along) > np.cos(angle)

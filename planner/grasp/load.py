@@ -5,18 +5,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ndtr
 
-from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.suction import CupShape
-from topple.planner.grasp.tolerances import HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
-from topple.robots.arm.gripper import vacuum_load
+from topple.planner.grasp.tolerances import HOLD_SPREAD, WEIGHT_SPREAD
 from topple.robots.arm.tolerances import GRAVITY
 from topple.topology.base.arrays import FloatArray
 from topple.topology.statics.tolerances import DENSITY
 
 if TYPE_CHECKING:
+    from topple.planner.grasp.hand import HandShape
     from topple.robots.arm.arm import Arm
 
-BY_CUP, BY_PADS = "the cup holds", "the pads hold"
+
+HOLD = "hold"
+"""The term of a grasp's score that says how surely its weight is held."""
 
 
 def weight_of(volume: float, mass: float | None = None) -> float:
@@ -27,22 +27,6 @@ def weight_of(volume: float, mass: float | None = None) -> float:
         mass: In [kg]; where it was not weighed, its volume at the density bodies are made with.
     """
     return GRAVITY * (DENSITY * volume if mass is None else mass)
-
-
-def most_held(friction: float | None, force: float) -> float:
-    """Weight [N] that a hand lifts at most, wherever it takes hold.
-
-    Args:
-        friction: Coefficient between pads and object; None where it was not tried, and 1 for a cup.
-        force: Of each of two pads, or half of what a cup pulls [N].
-    """
-    return 2.0 * (STRONGEST if friction is None else friction) * force
-
-
-def beyond_hand(mass: float | None, friction: float | None, force: float, holder: str) -> str:
-    """Why a hand is known not to lift a mass [kg]; empty where it may, as of a guessed weight, None."""
-    heavy = mass is not None and GRAVITY * mass > most_held(friction, force)
-    return f"{mass:g} kg are more than {holder}" if heavy else ""
 
 
 def beyond_arm(mass: float, arm: "Arm") -> str:
@@ -57,7 +41,7 @@ def jaw_load(
     weight: float,
     width: FloatArray,
     depth: FloatArray,
-    hand: HandShape,
+    hand: "HandShape",
     friction: float,
 ) -> FloatArray:
     """How much of what two pads hold a weight takes, in P grasps.
@@ -85,23 +69,6 @@ def jaw_load(
     return np.asarray(np.maximum(turning, np.hypot(moment[:, 0], moment[:, 2]) / across), dtype=np.float64)
 
 
-def cup_load(lever: float, weight: float, cup: CupShape, tilt: float = 0.0) -> float:
-    """How much of what a cup holds a weight takes, by the model that lets go in simulation.
-
-    Args:
-        lever: Level distance between the cup's axis and the centre of mass [m].
-        weight: In [N].
-        cup: Its force, radius and friction.
-        tilt: Angle between its axis and the vertical [rad]: what hangs aslant shears.
-
-    Returns:
-        The share; above 1 the lip opens.
-    """
-    pull, shear = weight * np.cos(tilt), weight * np.sin(tilt)
-    model = {"force": cup.max_force, "radius": cup.radius, "friction": cup.friction}
-    return vacuum_load(pull, shear, weight * lever, 0.0, **model)
-
-
 def chance_to_hold(load: FloatArray | float, weighed: bool = False) -> FloatArray:
     """Chance that a grasp under a load holds: the share of its score that it keeps.
 
@@ -118,3 +85,8 @@ def chance_to_hold(load: FloatArray | float, weighed: bool = False) -> FloatArra
     """
     spread = HOLD_SPREAD if weighed else WEIGHT_SPREAD
     return np.asarray(ndtr(-np.log(np.maximum(load, 1e-6)) / spread), dtype=np.float64)
+
+
+def in_words(load: float) -> str:
+    """What to say of a load, after other words; nothing where it is surely held."""
+    return f"; its weight takes {100 * load:.0f} % of what surely holds it" if load > 1.0 else ""

@@ -4,98 +4,64 @@ All hand directions at a point of the object, and all depths of the finger tips,
 arrays have one row for each pair of direction and depth that is still in the running.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from topple.planner.grasp.frames import Frames
+from topple.planner.grasp.grasp import PINCH, RIM, Grasp
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.load import chance_to_hold, jaw_load, weight_of
+from topple.planner.grasp.load import HOLD, chance_to_hold, in_words, jaw_load, weight_of
 from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
-from topple.planner.grasp.prisms import Prism
-from topple.planner.grasp.surface import Surface
+from topple.planner.grasp.shape import Sought
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
-from topple.planner.grasp.tolerances import (
-    GRASP_TOLERANCES,
-    OWN_MARGIN,
-    PINCH_BRUSH,
-    PINCH_TIGHT,
-    ROUGH,
-    GraspTolerances,
-)
+from topple.planner.grasp.tolerances import OWN_MARGIN, PINCH_BRUSH, PINCH_TIGHT, ROUGH
+from topple.planner.rounded import rounded
+from topple.robots.collision.prisms import Prism
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
+WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
+"""Exponents of a pinch's terms: one that is nil spoils the grasp alone."""
 NOTHING = "nothing between the pads"
 BELOW = "the hand would go below the ground"
 SLIDES = "pads would slide off"
 
 
-@dataclass(frozen=True, eq=False)
-class Pinch:
-    """A pinch found at one point of the object.
-
-    Attributes:
-        pose_tool_to_world: (4, 4).
-        width: Extent between the pads [m].
-        opening: Distance of the pads on the way in [m].
-        depth: Finger tips below the object's top between the pads [m].
-        rim: Whether the object goes on beyond one of the fingers.
-        load: How much of what the pads hold its likely weight takes; above 1 it turns between them.
-        weighed: Whether that weight is known.
-        terms: Parts of the score, each in 0..1.
-    """
-
-    pose_tool_to_world: FloatArray
-    width: float
-    opening: float
-    depth: float
-    rim: bool
-    load: float
-    weighed: bool
-    terms: dict[str, float]
+def score_of(terms: Mapping[str, float]) -> float:
+    """Put the terms (0..1) of a pinch together, to 0..1."""
+    return float(np.prod([terms[name] ** power for name, power in WEIGHTS.items()])) * terms.get(HOLD, 1.0)
 
 
-def pinches(
-    frames: Frames,
-    surface: Surface,
-    around: Surroundings,
-    up: FloatArray,
-    hand: HandShape,
-    tolerances: GraspTolerances = GRASP_TOLERANCES,
-    dropped: Dropped | None = None,
-) -> list[Pinch]:
+def pinches(frames: Frames, sought: Sought, hand: HandShape) -> list[Grasp]:
     """Find how deep the fingers can go at one point of an object, and what they would hold.
 
     Args:
         frames: The point and the directions of the hand.
-        surface: The object.
-        around: Points of everything else nearby, and the ground, which nothing of the hand may go below.
-        up: (3,) unit vector against gravity.
+        sought: The object, and what is around it; nothing of the hand may go below the ground.
         hand: The hand.
-        tolerances: Clearances and depths.
-        dropped: Takes down what is left out and why, if given.
 
     Returns:
-        At most two pinches for each direction: the best-scored one and the deepest free one.
+        At most two grasps for each direction: the best-scored one and the deepest free one.
     """
-    dropped = Dropped() if dropped is None else dropped
-    look = _look(frames, surface, hand, tolerances)
+    tolerances, dropped = sought.tolerances, sought.dropped
+    look = _look(frames, sought, hand)
     if look is None:
         dropped.note(NOTHING, len(frames.tilts))
         return []
     dropped.note(NOTHING, len(frames.tilts) - len(look.tilts))
-    hold = _holds(look, hand, tolerances, dropped)
-    over = _over_floor(look, hold, float(frames.origin @ up - around.floor), up, hand, tolerances)
+    hold = _holds(look, sought, hand)
+    over = _over_floor(look, hold, sought, hand)
     dropped.note(BELOW, int(np.count_nonzero(~over)))
     hold = hold.of(over)
-    clearance = _room(look, hold, surface.points, around, hand, tolerances, dropped)
+    clearance = _room(look, hold, sought, hand)
     hold, clearance = hold.of(clearance > 0.0), clearance[clearance > 0.0]
     wide = hold.high - hold.low + 2.0 * tolerances.side_clearance  # the slope goes on where the jaw ends
     held = antipodality(look.held.of(hold.row), hold.window, hold.low, hold.high, wide, hand, tolerances)
     dropped.note(SLIDES, int(np.count_nonzero(held <= 0.0)))
     hold, clearance, held = hold.of(held > 0.0), clearance[held > 0.0], held[held > 0.0]
-    return _best_and_deepest(look, hold, clearance, held, surface, up, hand, tolerances)
+    return _best_and_deepest(look, hold, clearance, held, sought, hand)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,8 +110,9 @@ class _Hold:
         )  # fmt: skip
 
 
-def _look(frames: Frames, surface: Surface, hand: HandShape, tolerances: GraspTolerances) -> _Look | None:
+def _look(frames: Frames, sought: Sought, hand: HandShape) -> _Look | None:
     """See the object in the axes of each direction that has points of it between the pads."""
+    surface = sought.surface
     points = surface.points - frames.origin
     x, y = (frames.rotations[:, :, axis] @ points.T for axis in (0, 1))
     half_open = hand.max_opening / 2.0
@@ -159,12 +126,13 @@ def _look(frames: Frames, surface: Surface, hand: HandShape, tolerances: GraspTo
     between_pads = held.there & (np.abs(held.points[:, :, 1]) <= half_open)
     heights = np.sort(np.where(between_pads, held.points[:, :, 2], np.inf), axis=1)
     last = np.count_nonzero(between_pads, axis=1) - 1
-    top = heights[np.arange(len(heights)), np.minimum(tolerances.stray_points, last)]
+    top = heights[np.arange(len(heights)), np.minimum(sought.tolerances.stray_points, last)]
     return _Look(frames.origin, rotations, frames.tilts[some], held, top)
 
 
-def _holds(look: _Look, hand: HandShape, tolerances: GraspTolerances, dropped: Dropped) -> _Hold:
+def _holds(look: _Look, sought: Sought, hand: HandShape) -> _Hold:
     """What the pads would close on at each depth, where it is no wider than the hand opens."""
+    tolerances = sought.tolerances
     depths = np.array(tolerances.depths)
     tips = look.top[:, None] + depths
     z = look.held.points[:, None, :, 2]
@@ -178,56 +146,49 @@ def _holds(look: _Look, hand: HandShape, tolerances: GraspTolerances, dropped: D
     hold = _Hold(row, at, depths[at], tips[row, at], window, low, high, opening)
     width, spare = high - low, 2.0 * tolerances.least_side_clearance
     narrow = width + spare <= hand.max_opening
-    dropped.too_wide(width[some & ~narrow], spare, hand.max_opening)
+    sought.dropped.too_wide(width[some & ~narrow], spare, hand.max_opening)
     return hold.of(some & narrow)
 
 
-def _over_floor(
-    look: _Look, hold: _Hold, height: float, up: FloatArray, hand: HandShape, tolerances: GraspTolerances
-) -> BoolArray:
-    """(P,) whether the hand's lowest corner stays over the floor, which is `height` below the point."""
-    x, y, z = (up @ look.rotations)[hold.row].T
+def _over_floor(look: _Look, hold: _Hold, sought: Sought, hand: HandShape) -> BoolArray:
+    """(P,) whether the hand's lowest corner stays over the floor."""
+    height = float(look.origin @ sought.up - sought.around.floor)
+    x, y, z = (sought.up @ look.rotations)[hold.row].T
     corners = [
         np.minimum(x * x0, x * x1) + np.minimum(y * y0, y * y1) + z * front
         for x0, x1, y0, y1, front in hand.footprints(hold.opening)
     ]
     lowest = np.min(corners, axis=0) + y * hold.middle + z * (hold.tip - hand.tip)
-    return height + lowest >= tolerances.under_clearance
+    return height + lowest >= sought.tolerances.under_clearance
 
 
-def _room(
-    look: _Look,
-    hold: _Hold,
-    own: FloatArray,
-    around: Surroundings,
-    hand: HandShape,
-    tolerances: GraspTolerances,
-    dropped: Dropped,
-) -> FloatArray:
+def _room(look: _Look, hold: _Hold, sought: Sought, hand: HandShape) -> FloatArray:
     """(P,) how free the way in is, 0..1; 0 where the hand meets points or would pinch a neighbour along."""
     half, count = hold.opening / 2.0, len(hold.row)
     if count == 0:
         return np.empty(0)
-    fingers, palm, pads = _reaches(look, hold, own, around.points, hand, tolerances)
+    stray, around = sought.tolerances.stray_points, sought.around.near(look.origin, sought.tolerances.reach)
+    fingers, palm, pads = _reaches(look, hold, sought, around.points, hand)
     pair, at, y = _met(pads, look, hold, hand, hand.tip)
     closed = (np.abs(pads.x.reshape(-1)[at]) < hand.pad_width / 2.0) & (np.abs(y) < half[pair])
-    met = np.bincount(pair[closed], minlength=count) > tolerances.stray_points
-    hits = _Hits(len(own), around)
+    met = np.bincount(pair[closed], minlength=count) > stray
+    hits = _Hits(sought, around)
     hits.add(pads, pair[closed], at[closed])
-    hits.tell("pads", met, dropped)
+    hits.tell("pads", met, sought.dropped)
     brushed = np.zeros(count, dtype=bool)
-    for what, reach, prisms in (("fingers", fingers, hand.finger), ("hand", palm, hand.palm)):
-        left, hits = np.flatnonzero(~met), _Hits(len(own), around)
-        passed = _passed(reach, prisms, look, hold.of(left), hand, prisms is hand.finger, tolerances, hits)
+    for what, reach, prisms in (("fingers", fingers, hand.finger), ("hand", palm, hand.body)):
+        left, hits = np.flatnonzero(~met), _Hits(sought, around)
+        passed = _passed(reach, prisms, look, hold.of(left), hand, hits)
         brushed[left], met[left] = brushed[left] | passed[0], passed[1]
-        hits.tell(what, passed[1], dropped)
+        hits.tell(what, passed[1], sought.dropped)
     return np.where(met, 0.0, np.where(brushed, PINCH_TIGHT, 1.0))
 
 
 class _Hits:
     """Whose points a part of the hand meets in each pair of direction and depth."""
 
-    def __init__(self, own: int, around: Surroundings) -> None:
+    def __init__(self, sought: Sought, around: Surroundings) -> None:
+        own, self.stray = len(sought.surface.points), sought.tolerances.stray_points
         self._owners = np.concatenate([np.full(own, len(around.names)), around.owners])
         self._names = (*around.names, ITSELF)
         self._found: list[IntArray] = []
@@ -247,20 +208,16 @@ class _Hits:
 
 
 def _reaches(
-    look: _Look,
-    hold: _Hold,
-    own: FloatArray,
-    others: FloatArray,
-    hand: HandShape,
-    tolerances: GraspTolerances,
+    look: _Look, hold: _Hold, sought: Sought, others: FloatArray, hand: HandShape
 ) -> tuple[_Reach, _Reach, _Reach]:
     """Points that fingers, palm, and the pads as they close can meet at any of the depths in question.
 
     Nearly all points are far from all of them: that is found with half the digits and `ROUGH` to spare.
     """
+    own = sought.surface.points
     points = np.vstack([own, others]) - look.origin
     foreign = np.arange(len(points)) >= len(own)
-    margin = np.where(foreign, tolerances.under_clearance, OWN_MARGIN)
+    margin = np.where(foreign, sought.tolerances.under_clearance, OWN_MARGIN)
     rough, turns = points.T.astype(np.float32), look.rotations.astype(np.float32)
     x, y, z = (turns[:, :, axis] @ rough for axis in range(3))
     half = hold.opening / 2.0
@@ -281,7 +238,7 @@ def _reaches(
     first = min((prism.y[0] for prism in hand.finger), default=0.0) - PINCH_BRUSH[0] - ROUGH
     beside = (y > inner + np.float32(first)) | (-y > least + np.float32(first))
     found: list[_Reach] = []
-    for prisms, near in ((hand.finger, beside), (hand.palm, np.ones_like(beside))):
+    for prisms, near in ((hand.finger, beside), (hand.body, np.ones_like(beside))):
         wide = (
             max((max(-prism.x[0], prism.x[1]) for prism in prisms), default=-np.inf) + PINCH_BRUSH[0] + ROUGH
         )
@@ -318,14 +275,7 @@ def _met(
 
 
 def _passed(
-    reach: _Reach,
-    prisms: tuple[Prism, ...],
-    look: _Look,
-    hold: _Hold,
-    hand: HandShape,
-    mirrored: bool,
-    tolerances: GraspTolerances,
-    hits: "_Hits",
+    reach: _Reach, prisms: tuple[Prism, ...], look: _Look, hold: _Hold, hand: HandShape, hits: "_Hits"
 ) -> tuple[BoolArray, BoolArray]:
     """(P,) whether more than stray points are brushed by, and met by, any prism of fingers or palm."""
     count = len(hold.row)
@@ -333,7 +283,7 @@ def _passed(
     if not prisms:
         return brushed[:count], met[:count]
     key, at, y = _met(reach, look, hold, hand, max(prism.front for prism in prisms) + PINCH_BRUSH[1])
-    if mirrored:  # from the one pad outwards, and from the other, which counts for itself
+    if prisms is hand.finger:  # from the one pad outwards, and from the other, which counts for itself
         half = (hold.opening / 2.0)[key]
         key, at, y = np.concatenate([key, key + count]), np.tile(at, 2), np.concatenate([y - half, -y - half])
     first, last = min(prism.y[0] for prism in prisms), max(prism.y[1] for prism in prisms)
@@ -352,28 +302,21 @@ def _passed(
             (brushed, aside < PINCH_BRUSH[0]),
             (met, (aside < keep) & (c < prism.front + keep)),
         ):
-            found |= np.bincount(key[near[hit]], minlength=2 * count) > tolerances.stray_points
+            found |= np.bincount(key[near[hit]], minlength=2 * count) > hits.stray
             if found is met:
                 hits.add(reach, key[near[hit]] % count, at[near[hit]])
     return brushed[:count] | brushed[count:], met[:count] | met[count:]
 
 
 def _best_and_deepest(
-    look: _Look,
-    hold: _Hold,
-    clearance: FloatArray,
-    held: FloatArray,
-    surface: Surface,
-    up: FloatArray,
-    hand: HandShape,
-    tolerances: GraspTolerances,
-) -> list[Pinch]:
+    look: _Look, hold: _Hold, clearance: FloatArray, held: FloatArray, sought: Sought, hand: HandShape
+) -> list[Grasp]:
     """The best-scored and the deepest pinch of each direction."""
+    surface, tolerances = sought.surface, sought.tolerances
     com = ((surface.centre - look.origin) @ look.rotations)[hold.row]
     arm = com - np.column_stack([np.zeros(len(com)), hold.middle, hold.tip - hand.tip])
     width, weight = hold.high - hold.low, weight_of(surface.volume, surface.mass)
-    weighed = surface.mass is not None
-    down = -(up @ look.rotations)[hold.row]
+    down = -(sought.up @ look.rotations)[hold.row]
     load = jaw_load(arm, down, weight, width, hold.depth, hand, tolerances.friction)
     rim = np.abs(arm[:, 1]) > width / 2.0 + 0.01
     terms = {
@@ -383,8 +326,9 @@ def _best_and_deepest(
         "depth": np.minimum(1.0, hold.depth / (0.5 * hand.pad_length)),
         "upright": 1.0 - 0.5 * look.tilts[hold.row],
     }
-    total = np.sum(list(terms.values()), axis=0) * chance_to_hold(load, weighed)
-    found: list[Pinch] = []
+    chance = chance_to_hold(load, surface.mass is not None)
+    total = np.sum(list(terms.values()), axis=0) * chance
+    found: list[Grasp] = []
     for row in np.unique(hold.row):
         here = np.flatnonzero(hold.row == row)
         best, deepest = int(here[np.argmax(total[here])]), int(here[-1])
@@ -394,6 +338,12 @@ def _best_and_deepest(
             shift = np.array([0.0, hold.middle[k], hold.tip[k] - hand.tip])
             pose[:3, 3] = look.origin + look.rotations[row] @ shift
             parts = {name: float(values[k]) for name, values in terms.items()}
-            size = float(width[k]), float(hold.opening[k]), float(hold.depth[k])
-            found.append(Pinch(pose, *size, bool(rim[k]), float(load[k]), weighed, parts))
+            said = ", ".join(f"{term} {value:.2f}" for term, value in parts.items())
+            reason = (
+                f"{1e3 * float(width[k]):.0f} mm between the pads, tips {rounded(1e3 * float(hold.depth[k]))}"
+                f" mm deep; {said}{in_words(float(load[k]))}"
+            )
+            parts[HOLD] = float(chance[k])
+            kind, size = RIM if rim[k] else PINCH, (float(width[k]), float(hold.opening[k]))
+            found.append(Grasp(sought.name, kind, pose, *size, score_of(parts), reason, parts))
     return found

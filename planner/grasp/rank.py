@@ -12,13 +12,12 @@ import numpy as np
 
 from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
-from topple.planner.grasp.grasp import Grasp, GraspKind
-from topple.planner.grasp.judge import WHERE, judged, poses_of
-from topple.planner.grasp.reach import reachable
+from topple.planner.grasp.grasp import PINCH, Grasp
+from topple.planner.grasp.judge import judged, poses_of, reachable
 from topple.planner.grasp.room import Room
+from topple.planner.grasp.shape import shapes_of
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot as robot_named
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
@@ -212,8 +211,9 @@ def _as_grasps(
     if not isinstance(grasps, ForeignGrasps):
         return [grasp.moved(to_world) for grasp in grasps]
     poses, openings = to_world @ grasps.poses_tool_to_source, np.nan_to_num(grasps.widths)
-    cup = arm is not None and ToolName.FINGERS not in arm.tools and bool(np.isnan(grasps.widths).all())
-    kind = GraspKind.SUCTION if cup else GraspKind.PINCH
+    kind: str = PINCH
+    if arm is not None and arm.tools and not arm.most.opening and bool(np.isnan(grasps.widths).all()):
+        kind = next(iter(shapes_of(arm).values())).kind
     return [
         Grasp("", kind, pose, 0.0, opening, score, grasps.source)
         for pose, opening, score in zip(poses, openings.tolist(), grasps.scores.tolist(), strict=True)
@@ -265,12 +265,12 @@ def _held(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[R
         most = movable[counts.index(largest)] if largest > GRASP_TOLERANCES.stray_points else ""
         name, grasp = told.get(index, most), given[index]
         if not most:
-            found[index] = RankedGrasp(index, grasp, (), f"nothing is {WHERE[grasp.tool]}")
+            found[index] = RankedGrasp(index, grasp, (), f"nothing is {room.shape(grasp.tool).where}")
         elif name not in movable:
             why = "never moves" if name in room.scene.fixed else "is not in the scene"
             found[index] = RankedGrasp(index, grasp, (), f"its file has it hold {name}, which {why}")
         elif counts[movable.index(name)] <= GRASP_TOLERANCES.stray_points:
-            why = f"its file has it hold {name}, but {WHERE[grasp.tool]} is {most}"
+            why = f"its file has it hold {name}, but {room.shape(grasp.tool).where} is {most}"
             found[index] = RankedGrasp(index, grasp, (), why)
         else:
             found[index] = RankedGrasp(index, replace(grasp, object=name), (), None)
@@ -280,10 +280,10 @@ def _held(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[R
 def _within_tools(given: Sequence[Grasp], room: Room) -> dict[int, list[int]]:
     """Points of each movable object between the pads, or under the cup, of grasps that name none."""
     within: dict[int, list[int]] = {}
-    for tool, counted in ((ToolName.FINGERS, room.between_pads), (ToolName.SUCTION, room.under_cup)):
+    for tool in dict.fromkeys(grasp.tool for grasp in given if not grasp.object):
         rows = [index for index, grasp in enumerate(given) if not grasp.object and grasp.tool == tool]
-        if rows:
-            within.update(zip(rows, counted(poses_of(given[row] for row in rows)).tolist(), strict=True))
+        counted = room.within(tool, poses_of(given[row] for row in rows))
+        within.update(zip(rows, counted.tolist(), strict=True))
     return within
 
 

@@ -4,12 +4,10 @@ import numpy as np
 
 from topple.planner.grasp.frames import Frames, cross
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.surface import Surface
-from topple.planner.grasp.surroundings import Dropped
+from topple.planner.grasp.shape import Sought
 from topple.planner.grasp.tolerances import (
     DIRECTIONS,
     FEWEST,
-    GRASP_TOLERANCES,
     LEANS,
     PATCH,
     RIMS_FLAT,
@@ -19,14 +17,7 @@ from topple.planner.grasp.tolerances import (
 from topple.topology.base.arrays import FloatArray
 
 
-def rim_frames(
-    surface: Surface,
-    floor: float,
-    up: FloatArray,
-    hand: HandShape,
-    tolerances: GraspTolerances = GRASP_TOLERANCES,
-    dropped: Dropped | None = None,
-) -> list[Frames]:
+def rim_frames(sought: Sought, hand: HandShape) -> list[Frames]:
     """Lay out hand directions that come in along a sheet from outside its edge.
 
     The hand leans with the sheet, a little steeper at most, so that the pads meet it square: hands from above
@@ -34,31 +25,28 @@ def rim_frames(
     lower finger and the hand behind it need is left out, and the reason says by how much.
 
     Args:
-        surface: The object.
-        floor: Height of the ground along `up` [m].
-        up: (3,) unit vector against gravity.
+        sought: The object and the ground; takes down what is left out and why.
         hand: The hand.
-        tolerances: Clearances.
-        dropped: Takes down what is left out and why, if given.
 
     Returns:
         The directions, edge point by edge point. Deterministic.
     """
+    surface, up = sought.surface, sought.up
     found: list[Frames] = []
     low: list[tuple[float, float]] = []
     for place, outward, normal in _edges(surface.points[: surface.seen], up):
         turned = np.array([_leaning(outward, normal, lean) for lean in LEANS])
-        needed = np.array([_needed(rotation, up, hand, tolerances) for rotation in turned])
-        height = float(place @ up) - floor
+        needed = np.array([_needed(rotation, up, hand, sought.tolerances) for rotation in turned])
+        height = float(place @ up) - sought.around.floor
         high = needed <= height
         if high.any():
             tilts = np.arccos(np.clip(-turned[high, :, 2] @ up, -1.0, 1.0))
             found.append(Frames(place, turned[high], tilts))
         else:
             low.append((height, float(needed.min())))
-    if low and dropped is not None:
+    if low:
         height, needed_there = max(low, key=lambda pair: pair[0] - pair[1])
-        dropped.note(
+        sought.dropped.note(
             f"its rim is {1e3 * height:.0f} mm off the ground, a finger below it and the hand behind take "
             f"{1e3 * needed_there:.0f} mm",
             len(low),

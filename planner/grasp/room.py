@@ -7,15 +7,14 @@ from functools import cached_property
 import numpy as np
 
 from topple.planner.grasp.cells import Cells, Region
-from topple.planner.grasp.hand import HandShape, hand_shape
-from topple.planner.grasp.suction import CupShape, cup_shape
+from topple.planner.grasp.shape import Shape, shapes_of
 from topple.planner.grasp.surface import Surface, surface_in
 from topple.planner.grasp.surroundings import floor_near, surroundings
-from topple.planner.grasp.tolerances import ASIDE, AT_LIP, FINE, GRASP_TOLERANCES, PAST_PADS
+from topple.planner.grasp.tolerances import FINE, GRASP_TOLERANCES
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
-from topple.robots.catalog import robot
+from topple.robots.catalog import names, robot
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.hull import Hull
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -27,7 +26,7 @@ class Room:
 
     Attributes:
         situation: The scene, and what is read of it.
-        arm: The arm; a Panda's hand or cup stands in for what it does not have.
+        arm: The arm; another one's hand stands in for what it does not have.
         cells: The points of the scene's clouds, in their order, and of its matter.
         movable: Those of the movable objects alone, in theirs.
     """
@@ -70,97 +69,58 @@ class Room:
     def _surfaces(self) -> dict[str, Surface]:
         return {}
 
-    @cached_property
-    def hand(self) -> HandShape:
-        """Fingers."""
-        return hand_shape(self._with(ToolName.FINGERS, "panda"))
+    def shape(self, tool: str) -> Shape:
+        """The hand of a tool: the arm's, or that of the first arm of the catalog which has such a one.
+
+        Raises:
+            InvalidInput: No arm has it.
+        """
+        if tool not in self._shapes:
+            own = () if self.arm is None or tool not in self.arm.tools else (self.arm,)
+            arm = next((arm for arm in (*own, *map(robot, names())) if tool in arm.tools), None)
+            if arm is None:
+                raise InvalidInput(f"no robot has a tool {tool!r}: give the robot")
+            self._shapes[tool] = shapes_of(arm)[tool]
+        return self._shapes[tool]
 
     @cached_property
-    def cup(self) -> CupShape:
-        """Suction cup."""
-        return cup_shape(self._with(ToolName.SUCTION, "panda-suction"))
+    def _shapes(self) -> dict[str, Shape]:
+        return {}
 
-    def _with(self, tool: str, stand_in: str) -> Arm:
-        return self.arm if self.arm is not None and tool in self.arm.tools else robot(stand_in)
-
-    def between_pads(self, poses: FloatArray) -> IntArray:
-        """Count what is between the pads of the open hand.
+    def within(self, tool: str, poses: FloatArray) -> IntArray:
+        """Count what is where a tool's open hand holds.
 
         Args:
+            tool: Name of the tool.
             poses: (P, 4, 4) pose_tool_to_world.
 
         Returns:
             (P, M) points of each movable object, in the scene's order.
         """
-        half = [self.hand.pad_width, self.hand.max_opening, self.hand.pad_length + 2.0 * PAST_PADS]
-        bound = np.tile(np.array(half) / 2.0, (len(poses), 1))
-        return self.movable.counts(poses, Region(-bound, bound))
+        return self.movable.counts(poses, self.shape(tool).holds(len(poses)))
 
-    def under_cup(self, poses: FloatArray) -> IntArray:
-        """Count what is under the cup's lip.
+    def met(self, tool: str, poses: FloatArray, openings: FloatArray, own: Sequence[str]) -> BoolArray:
+        """Ask what a tool's open hands meet on their straight way in.
 
         Args:
-            poses: (P, 4, 4) pose_tool_to_world.
-
-        Returns:
-            (P, M) points of each movable object, in the scene's order.
-        """
-        bound = np.tile([self.cup.radius, self.cup.radius, AT_LIP], (len(poses), 1))
-        return self.movable.counts(poses, Region(-bound, bound, self.cup.radius))
-
-    def met_by_fingers(self, poses: FloatArray, openings: FloatArray) -> BoolArray:
-        """Ask what open hands meet on their straight way in.
-
-        Args:
+            tool: Name of the tool.
             poses: (P, 4, 4) pose_tool_to_world.
             openings: (P,) distance of the pads [m]; as far as they open where 0.
+            own: (P,) what each takes.
 
         Returns:
             (P, K + 1) whether each of the scene's clouds is met, and its matter.
         """
-        widest = self.hand.max_opening
-        opening = np.where(openings > 0.0, np.minimum(widest, openings), widest)
-        return self._met(poses, [_swept(len(poses), *bounds) for bounds in self.hand.footprints(opening)])
+        sweeps, beside = self.shape(tool).sweeps(openings)
+        met, names = self._met(poses, beside), list(self.scene.clouds)
+        met[np.arange(len(poses)), [names.index(name) for name in own]] = False
+        return self._met(poses, sweeps) | met
 
-    def met_by_cup(self, poses: FloatArray, own: Sequence[str]) -> BoolArray:
-        """Ask what hands with the cup out meet on their straight way in.
-
-        Args:
-            poses: (P, 4, 4) pose_tool_to_world.
-            own: (P,) what each takes, which may bulge into the bellows.
-
-        Returns:
-            (P, K + 1) whether each of the scene's clouds is met, and its matter.
-        """
-        body = [_swept(len(poses), *prism.x, *prism.y, prism.front) for prism in self.cup.body]
-        margin, names = GRASP_TOLERANCES.under_clearance, list(self.scene.clouds)
-        side = self.cup.radius + margin
-        lip = _swept(len(poses), -side, side, -side, side, 0.0)
-        beside = self._met(poses, [Region(lip.lower, lip.upper, side)])
-        beside[np.arange(len(poses)), [names.index(name) for name in own]] = False
-        return self._met(poses, body) | beside
-
-    def below_ground(self, poses: FloatArray, own: Sequence[str]) -> BoolArray:
+    def below_ground(self, tool: str, poses: FloatArray, own: Sequence[str]) -> BoolArray:
         """(P,) whether finger tips at poses (P, 4, 4) would be below the ground around what they take."""
         floors = {name: floor_near(name, self.scene, self.situation.up) for name in set(own)}
-        tips = (poses[:, :3, 3] + self.hand.tip * poses[:, :3, 2]) @ self.situation.up
-        return np.asarray(tips < np.array([floors[name] for name in own], dtype=np.float64))
+        heights = np.array([floors[name] for name in own], dtype=np.float64)
+        return self.shape(tool).below(poses, self.situation.up, heights)
 
     def _met(self, poses: FloatArray, regions: Sequence[Region]) -> BoolArray:
         return self.cells.more_than(GRASP_TOLERANCES.stray_points, poses, regions)
-
-
-def _swept(
-    count: int,
-    x_low: float,
-    x_high: float,
-    y_low: float | FloatArray,
-    y_high: float | FloatArray,
-    front: float,
-) -> Region:
-    """A prism of `count` hands with everything behind it, as far as it is cleared of what lies below."""
-    lower, upper = np.empty((count, 3)), np.empty((count, 3))
-    for axis, (low, high) in enumerate(((x_low, x_high), (y_low, y_high))):
-        lower[:, axis], upper[:, axis] = np.maximum(low, -ASIDE), np.minimum(high, ASIDE)
-    lower[:, 2], upper[:, 2] = -GRASP_TOLERANCES.reach, front - GRASP_TOLERANCES.under_clearance
-    return Region(lower, upper)

@@ -106,11 +106,14 @@ MOST_GIVEN = 60
 
 # -- hand
 
-FINGER_SLABS = (0.008, 0.015)
-"""Fingers taper over their last two centimetres [m]."""
+RELEASE_GAP = 0.01
+"""Pads this much wider than what they held let go of it [m]."""
 
-PRESS = 0.6
-"""Share of the jaw's continuous force used for a grip: crockery and fruit should survive it."""
+UPRIGHT = 0.8
+"""Upward share of the closing direction beyond which one finger is below what the hand holds."""
+
+OPENING_STEP = 0.005
+"""Openings are rounded up to it [m], so that grasps share their checks."""
 
 HAND_REACH = 0.16
 """What is further from the tool's origin does not meet what is grasped [m]."""
@@ -236,12 +239,3 @@ PAD_HALF = 0.01
 
 ROUGH = 1e-5
 """More than single precision is off by at the size of a hand [m]."""
-
-HINGED_OPENINGS = 4
-"""Openings at which a finger that turns is looked at: between them it swings less than it is thick."""
-
-SWUNG = (0.08, 0.003)
-"""[m] from the tip of the turned finger back, and of one prism: it leans by up to its `LEAN`."""
-
-OVER_FACE = 0.002
-"""[m] over the face of the fixed finger that what stands there counts for the finger: hulls are rough."""

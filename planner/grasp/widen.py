@@ -5,31 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from topple.planner.grasp.grasp import Grasp, GraspKind
+from topple.planner.grasp.grasp import PINCH, Grasp
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.surface import Surface
-from topple.planner.grasp.surroundings import Surroundings
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, SHARES, GraspTolerances
+from topple.planner.grasp.shape import Sought
+from topple.planner.grasp.tolerances import SHARES
 from topple.topology.base.arrays import BoolArray, FloatArray
 
 
-def widened(
-    grasps: Sequence[Grasp],
-    surface: Surface,
-    around: Surroundings,
-    up: FloatArray,
-    hand: HandShape,
-    tolerances: GraspTolerances = GRASP_TOLERANCES,
-) -> list[Grasp]:
+def widened(grasps: Sequence[Grasp], sought: Sought, hand: HandShape) -> list[Grasp]:
     """Open the hand of each pinch as far as there is room.
 
     Args:
         grasps: Grasps of one object.
-        surface: The object.
-        around: Points of everything else nearby, and the ground.
-        up: (3,) unit vector against gravity.
+        sought: The object and what is around it; neighbours are kept off by `side_clearance`.
         hand: The hand.
-        tolerances: Clearances; neighbours are kept off by `side_clearance`.
 
     Returns:
         The same grasps in their order, those with room beside their fingers with a larger opening.
@@ -37,22 +26,15 @@ def widened(
     found: list[Grasp] = []
     for grasp in grasps:
         wider = [grasp.opening + share * (hand.max_opening - grasp.opening) for share in SHARES]
-        free = (opening for opening in wider if _free(grasp, opening, surface, around, up, hand, tolerances))
-        opening = next(free, None) if grasp.kind is GraspKind.PINCH else None
+        free = (opening for opening in wider if _free(grasp, opening, sought, hand))
+        opening = next(free, None) if grasp.kind == PINCH else None
         found.append(grasp if opening is None else replace(grasp, opening=opening))
     return found
 
 
-def _free(
-    grasp: Grasp,
-    opening: float,
-    surface: Surface,
-    around: Surroundings,
-    up: FloatArray,
-    hand: HandShape,
-    tolerances: GraspTolerances,
-) -> bool:
+def _free(grasp: Grasp, opening: float, sought: Sought, hand: HandShape) -> bool:
     """Whether the fingers come in so far apart, and close, without meeting anything."""
+    surface, around, up, tolerances = sought.surface, sought.around, sought.up, sought.tolerances
     pose = grasp.pose_tool_to_world
     own, others = ((points - pose[:3, 3]) @ pose[:3, :3] for points in (surface.points, around.points))
     fingers = hand.footprints(opening)[: 2 * len(hand.finger)]

@@ -4,7 +4,7 @@ import numpy as np
 
 from topple.planner.motion.tolerances import JUMP, SPACING, TURN
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.gripper import FINGERS
 from topple.robots.arm.inverse import InverseTolerances, solve
 from topple.robots.arm.kinematics import rotation_vectors
 from topple.topology.base.arrays import FloatArray
@@ -13,7 +13,7 @@ CONTINUED = InverseTolerances(iterations=16, step=0.2)  # the start is close: fe
 
 
 def straight_lines(
-    arm: Arm, q_start: FloatArray, poses_tool_to_base: FloatArray, tool: str = ToolName.FINGERS
+    arm: Arm, q_start: FloatArray, poses_tool_to_base: FloatArray, tool: str = FINGERS
 ) -> list[FloatArray | None]:
     """Move a tool along many straight lines, each on its own: kinematics alone, one batch for each waypoint.
 

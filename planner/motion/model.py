@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.planner.motion.obstacles import Obstacle, parts_of
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.separation import ConvexSets
 from topple.robots.poses import inverse
@@ -28,7 +28,7 @@ class Attachment:
     """
 
     parts: tuple[FloatArray, ...]
-    tool: str = ToolName.FINGERS
+    tool: str = FINGERS
     name: str = "held"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.grasp.candidates import grasp_candidates
-from topple.planner.grasp.reach import reachable
+from topple.planner.grasp.judge import reachable
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.planning.tolerances import TOGETHER
 from topple.robots.arm.arm import Arm

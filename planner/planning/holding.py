@@ -17,7 +17,6 @@ from topple.planner.transfer.grip import Grip, Grips, letting_go
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import Solids
@@ -33,7 +32,7 @@ def check_second(arm: Arm) -> None:
     Raises:
         InvalidInput: It has no fingers.
     """
-    if ToolName.FINGERS not in arm.tools:
+    if not arm.most.opening:
         raise InvalidInput(f"{arm.name} has no fingers: a second arm holds with a parallel jaw")
 
 

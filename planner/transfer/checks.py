@@ -5,13 +5,15 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.planner.grasp.grasp import Grasp, GraspKind
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.jaw import stepped
+from topple.planner.grasp.shape import Shape, shapes_of
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.tolerances import CONTACT, OPENING_STEP, RELEASE_GAP, UPRIGHT
+from topple.planner.transfer.tolerances import CONTACT
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.robots.arm.torques import Strain, strain
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import inverse
@@ -80,28 +82,9 @@ class Checks:
 
     # -- how the hand stands
 
-    def ready(self, grasp: Grasp) -> ToolState:
-        """On the way in."""
-        if grasp.tool == ToolName.SUCTION:
-            return self.arm.tools[ToolName.SUCTION].ready
-        return ToolState(_rounded(grasp.opening, self.arm))
-
-    def closed(self, grasp: Grasp) -> ToolState:
-        """With the object."""
-        return self.ready(grasp) if grasp.tool == ToolName.SUCTION else ToolState(grasp.width)
-
-    def released(self, grasp: Grasp, into: str | None) -> ToolState:
-        """After letting go: wide open, so that the object stays where it is when the hand leaves.
-
-        In a vessel only as far as it takes: fingers would push aside what else is in it. A level hand, whose
-        lower finger is below the object, opens wide everywhere, or it would draw the object along.
-        """
-        if grasp.tool == ToolName.SUCTION:
-            return self.ready(grasp)
-        below = grasp.kind is GraspKind.PINCH and abs(float(grasp.closing @ self.up)) > UPRIGHT
-        if into is not None and not below:
-            return ToolState(_rounded(grasp.width + RELEASE_GAP, self.arm))
-        return self.arm.open_hand
+    def hand(self, grasp: Grasp) -> Shape:
+        """That of the tool which makes a grasp: it says how it stands on the way in, closed and released."""
+        return shapes_of(self.arm)[grasp.tool]
 
     def tool_pose(self, grasp: Grasp) -> FloatArray:
         """(4, 4) pose of the arm's tool in the world as it makes a grasp."""
@@ -109,33 +92,22 @@ class Checks:
 
     # -- what is checked against what
 
-    def _links(self, grasp: Grasp) -> tuple[str, ...]:
-        """Links that may be next to the object: what holds it, and the fingers that stand open around a cup.
-
-        The search for suction kept the open hand clear of the object's cloud; the hulls drawn around the
-        cloud bridge its hollows, a plate's for one, and would bar it.
-        """
-        links = self.arm.tools[grasp.tool].links
-        if grasp.tool == ToolName.SUCTION and self.arm.jaw is not None:
-            return (*links, *self.arm.jaw.links)
-        return links
-
     def approaching(self, grasp: Grasp, lenient: bool) -> Checker:
         """The open hand around the object: what holds may touch it."""
-        key = ("approach", grasp.tool, self.ready(grasp), lenient)
+        key = ("approach", grasp.tool, self.hand(grasp).ready(grasp), lenient)
         if key not in self._checkers:
             others = [other for other in self.scene.movable if other != self.name] if lenient else []
-            allow = _pairs(self._links(grasp), [self.name, *others])
-            self._checkers[key] = self._checker(self.bodies, self.ready(grasp), allow=allow)
+            allow = _pairs(self.hand(grasp).links, [self.name, *others])
+            self._checkers[key] = self._checker(self.bodies, self.hand(grasp).ready(grasp), allow=allow)
         return self._checkers[key]
 
     def lifting(self, grasp: Grasp, lenient: bool) -> Checker:
         """The object leaving what it stood on or against: what it touches now it may touch."""
         allow = _pairs([self.name], self.touching)
         if lenient:
-            allow += _pairs(self._links(grasp), [o for o in self.others if o in self.scene.movable])
+            allow += _pairs(self.hand(grasp).links, [o for o in self.others if o in self.scene.movable])
         held = self._attached(grasp)
-        return self._checker(self.others, self.closed(grasp), attached=held, allow=allow)
+        return self._checker(self.others, self.hand(grasp).closed(grasp), attached=held, allow=allow)
 
     def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
         """The object in the hand, everything else in the way at a margin, but for what it is put into."""
@@ -143,7 +115,7 @@ class Checks:
         if key not in self._checkers:
             self._checkers[key] = self._checker(
                 self.others,
-                self.closed(grasp),
+                self.hand(grasp).closed(grasp),
                 attached=self._attached(grasp),
                 allow=[] if into is None else _pairs([self.name], [into]),
                 margin=margin,
@@ -155,7 +127,7 @@ class Checks:
 
         The object itself is left out, as its place is not known here; `parting` has it.
         """
-        state = self.released(grasp, into)
+        state = self.hand(grasp).released(grasp, into, self.up)
         key = ("leave", grasp.tool, state)
         if key not in self._checkers:
             self._checkers[key] = self._checker(self.others, state)
@@ -165,12 +137,13 @@ class Checks:
         """The open hand drawing back, the object at its new place included: what held it may touch it."""
         pose = place.pose_before_to_after
         bodies = {**self.others, **{n: moved(self.bodies[n], pose) for n in (self.name, *self.riding)}}
-        allow = _pairs(self._links(grasp), (self.name, *self.riding))
-        return self._checker(bodies, self.released(grasp, place.into), allow=allow)
+        allow = _pairs(self.hand(grasp).links, (self.name, *self.riding))
+        return self._checker(bodies, self.hand(grasp).released(grasp, place.into, self.up), allow=allow)
 
     def empty(self, opening: float) -> Checker:
         """The empty hand among everything; it may start near what it just left, so no margin is asked for."""
-        return self._checker(self.bodies, self.arm.on_the_way(_rounded(opening, self.arm)))
+        opening = min(self.arm.most.opening, stepped(opening))
+        return self._checker(self.bodies, self.arm.on_the_way(opening))
 
     @cached_property
     def others(self) -> dict[str, Sequence[FloatArray]]:
@@ -211,11 +184,6 @@ class Checks:
             allow=allow,
             margin=margin,
         )
-
-
-def _rounded(opening: float, arm: Arm) -> float:
-    largest = arm.jaw.max_opening if arm.jaw else 0.0
-    return min(largest, float(np.ceil(opening / OPENING_STEP - 1e-9)) * OPENING_STEP)
 
 
 def _pairs(links: Sequence[str], objects: Sequence[str]) -> list[frozenset[str]]:

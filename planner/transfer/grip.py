@@ -14,7 +14,7 @@ from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.topology.base.arrays import FloatArray
 
 STAYS = Placement(np.eye(4), 1.0, "where it is")
@@ -62,7 +62,8 @@ class Grips:
         self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
         # what leans is held, and is not square
         found = grasp_candidates(handling.name, handling.situation, handling.arm, wide=True)
-        grasps = [each for each in found if each.tool == ToolName.FINGERS and not any(map(each.near, avoid))]
+        closing = {name for name, tool in handling.arm.tools.items() if tool.gripper.most.opening}
+        grasps = [each for each in found if each.tool in closing and not any(map(each.near, avoid))]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
         self.states = handling.reached(hands, False, log)
 
@@ -76,7 +77,7 @@ class Grips:
         if move.search(self._q_start, approach.way[:1], handling.seed, limits.rounds) is None:
             return None
         ways = segments_of((move, approach), handling, grasp, STAYS, limits.speed, limits.straight_speed)
-        hand = handling.closed(grasp)
+        hand = handling.hand(grasp).closed(grasp)
         close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, handling.name, ways[-1].may_touch)
         reasons = dict(self._log.reasons)
         return Grip(Transfer(handling.name, grasp, STAYS, (*ways, close), state.q, reasons), state, hand)

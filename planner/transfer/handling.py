@@ -6,10 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from topple.planner.failure import Check, FailureLog
-from topple.planner.grasp.fingers import coming_unseen
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.suction import cup_shape
+from topple.planner.grasp.shape import coming_unseen, shapes_of
 from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.shortcut import densely
@@ -19,7 +17,6 @@ from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
 from topple.planner.transfer.tolerances import MARGIN, SEEDS, STRAIN_STEP
-from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
 
@@ -70,7 +67,7 @@ class Handling(Checks):
         Returns:
             In the grasps' order, but hands that come in unseen, turned and opened as they are, last.
         """
-        both = [hand for grasp in grasps for hand in _directions(grasp)]
+        both = [hand for grasp in grasps for hand in self.hand(grasp).turns(grasp)]
         poses = [self.tool_pose(grasp) for grasp in both]
         clear = self._clear_of(
             both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", log
@@ -84,11 +81,8 @@ class Handling(Checks):
 
     def _seen_first(self, hands: Sequence[Grasp]) -> list[Grasp]:
         """Hands as they come in, each marked if no camera saw its way to be empty; those come last."""
-        opened = [replace(hand, opening=self.ready(hand).opening) for hand in hands]
-        tools = self.arm.tools
-        fingers = hand_shape(self.arm) if ToolName.FINGERS in tools else None
-        cup = cup_shape(self.arm) if ToolName.SUCTION in tools else None
-        unseen = coming_unseen(opened, self.situation, fingers, cup).tolist()
+        opened = [replace(grasp, opening=self.hand(grasp).ready(grasp).opening) for grasp in hands]
+        unseen = coming_unseen(opened, self.situation, shapes_of(self.arm)).tolist()
         marked = [replace(hand, unseen=hidden) for hand, hidden in zip(hands, unseen, strict=True)]
         return sorted(marked, key=lambda hand: hand.unseen)
 
@@ -295,14 +289,3 @@ class Handling(Checks):
             if lowered and retreat.straight(leaving, q):
                 found.append(place)
                 yield End(place, lower.way, retreat.way)
-
-
-def _directions(grasp: Grasp) -> list[Grasp]:
-    """A grasp's hand directions: a jaw turned half is the same, a round cup may be turned at will."""
-    if grasp.tool == ToolName.FINGERS:
-        return [grasp, grasp.turned()]
-    quarter = np.array(
-        [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
-    )
-    across = replace(grasp, pose_tool_to_world=grasp.pose_tool_to_world @ quarter)
-    return [grasp, grasp.turned(), across, across.turned()]

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.judge import in_the_way
 from topple.planner.grasp.room import Room
@@ -16,7 +14,6 @@ from topple.planner.transfer.stages import may_touch
 from topple.planner.transfer.tolerances import MARGIN, ROUNDING
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
 from topple.topology.base.arrays import FloatArray
 from topple.topology.situation.situation import Situation
 
@@ -58,8 +55,7 @@ def _takes(transfer: Transfer, situation: Situation, arm: Arm) -> bool:
     """Whether the hand has room on its way in, and takes hold of something of the object."""
     grasp, scene = transfer.grasp, situation.scene
     room = Room.of(situation, arm)
-    counted = room.under_cup if grasp.tool == ToolName.SUCTION else room.between_pads
-    within = counted(np.array([grasp.pose_tool_to_world]))[0][scene.movable.index(transfer.object)]
+    within = room.within(grasp.tool, grasp.pose_tool_to_world[None])[0][scene.movable.index(transfer.object)]
     return within > GRASP_TOLERANCES.stray_points and not in_the_way([grasp], room)[0][1]
 
 

@@ -147,8 +147,9 @@ def segments_of(
     Returns:
         The segments in the order they are driven.
     """
-    arm, ready, closed = checks.arm, checks.ready(grasp), checks.closed(grasp)
-    released = checks.released(grasp, place.into)
+    arm, hand = checks.arm, checks.hand(grasp)
+    ready, closed = hand.ready(grasp), hand.closed(grasp)
+    released = hand.released(grasp, place.into, checks.up)
     hands = {
         SegmentKind.MOVE: arm.on_the_way(ready.opening),
         SegmentKind.APPROACH: ready,

@@ -5,17 +5,8 @@
 MARGIN = 0.004
 """What is carried keeps this to everything, if any way does: depth noise and tracking [m]."""
 
-RELEASE_GAP = 0.01
-"""Pads this much wider than what they held let go of it [m]."""
-
-UPRIGHT = 0.8
-"""Upward share of the closing direction beyond which one finger is below what the hand holds."""
-
 CONTACT = 0.006
 """Bodies this close touch: noise of two clouds [m]."""
-
-OPENING_STEP = 0.005
-"""Openings are rounded up to it [m], so that grasps share their checks."""
 
 
 # -- handling

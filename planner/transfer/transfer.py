@@ -12,8 +12,8 @@ from topple.planner.failure import Check, FailedCheck, FailureLog, TransferFailu
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import beyond_arm
+from topple.planner.grasp.shape import shapes_of
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement, placements
@@ -23,7 +23,6 @@ from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, Upright, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.home import scale_of, workplace_of
 from topple.topology.base.arrays import FloatArray, frozen
 from topple.topology.base.errors import UnknownObject
@@ -121,11 +120,12 @@ def plan_transfer(
         grasps, avoid = [held.grasp], ()
     searched, dropped, changed, few = grasps is None, Dropped(), False, list[Grasp]()
     find = partial(grasp_candidates, name, situation, wide=bool(avoid))
+    spare = {tool: shape for tool, shape in shapes_of(arm).items() if shape.spare}
     if grasps is None:
         few = find(arm, enough=limits.enough) if limits.enough < np.inf and not avoid else []
         grasps = few or _others(find(arm, dropped=dropped), avoid)
-        if grasps and ToolName.FINGERS in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
-            grasps = _others(find(hand=hand_shape(arm)), avoid) or grasps
+        if grasps and spare and all(grasp.tool in _tired(avoid) for grasp in grasps):
+            grasps = _others(find(tools=list(spare.values())), avoid) or grasps
             changed = True
     else:
         grasps = _others(list(grasps), avoid)
@@ -146,17 +146,15 @@ def plan_transfer(
         )
     limits = limits.of(arm)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds, held)
-    by_cup_alone = (
-        searched and all(grasp.tool == ToolName.SUCTION for grasp in grasps) and ToolName.FINGERS in arm.tools
-    )
+    spared = searched and bool(spare) and not any(grasp.tool in spare for grasp in grasps)
 
     def other() -> list[Grasp]:
-        return _others(find(hand=hand_shape(arm)), avoid) if by_cup_alone else find(arm) if few else []
+        return _others(find(tools=list(spare.values())), avoid) if spared else find(arm) if few else []
 
     found = search.run_seen_first(grasps, cache(other))
     if isinstance(found, TransferFailure):
         return found
-    changed |= by_cup_alone and found.grasp.tool == ToolName.FINGERS
+    changed |= spared and found.grasp.tool in spare
     said = [Fallback.OTHER_TOOL] * changed + [Fallback.UNSEEN] * found.grasp.unseen
     return replace(found, fallbacks=(*said, *found.fallbacks)) if said else found
 

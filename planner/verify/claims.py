@@ -183,7 +183,7 @@ OF_STEPS = (
     ),
     Claim(
         "its weight is held",
-        "friction and force of the pads, pull of the cup",
+        "force and friction of what holds it",
         (Check("weight beyond what the hand can hold", lambda replay: replay.once(Weights).heavy, "N", 0.0),),
         unshown=(_not_borne,),
         figure=_load,

@@ -28,13 +28,11 @@ def _stretches(replay: Replay) -> Iterator[tuple[Piece, FloatArray, FloatArray, 
 def beyond_limits(replay: Replay) -> Iterator[Finding]:
     """How far joints, pads and cup are beyond where they go [rad] or [m]."""
     arm = replay.arm
-    opening = arm.jaw.max_opening if arm.jaw is not None else 0.0
-    stroke = arm.cup.stroke if arm.cup is not None else 0.0
     for piece in replay.pieces:
         hand = piece.segment.hand
         for what, value, most in (
-            ("opening", hand.opening, opening),
-            ("cup_extension", hand.cup_extension, stroke),
+            ("opening", hand.opening, arm.most.opening),
+            ("cup_extension", hand.cup_extension, arm.most.cup_extension),
         ):
             yield piece.finds(max(value - most, -value) - LIP, what)
     for piece, (_, positions, _) in replay.once(driven):

@@ -4,14 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.load import cup_load, jaw_load, most_held, weight_of
-from topple.planner.grasp.suction import cup_shape
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.grasp.load import weight_of
+from topple.planner.grasp.shape import shapes_of
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.replay import Finding, Piece, Replay
 from topple.planner.verify.tolerances import COARSE
-from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.tolerances import GRAVITY
 from topple.robots.arm.torques import Strain, strain
 from topple.robots.poses import inverse
@@ -77,10 +74,8 @@ class Weights:
         """A mass that is known against what the arm is rated for, and against the most that a hand holds."""
         words = f"{mass:g} kg, {self.arm.name} carries {self.arm.payload:g} kg"
         self.overload.append(piece.finds(mass - self.arm.payload, words))
-        if piece.segment.tool == ToolName.SUCTION:
-            most = most_held(1.0, cup_shape(self.arm).max_force / 2.0)
-        else:
-            most = most_held(self._friction.get(piece.step.object), hand_shape(self.arm).force)
+        hand = shapes_of(self.arm)[piece.segment.tool]
+        most = hand.most(self._friction.get(piece.step.object))
         words = f"{GRAVITY * mass:.0f} N, the {piece.segment.tool} hold {most:.0f} N"
         self.heavy.append(piece.finds(GRAVITY * mass - most, words))
 
@@ -104,12 +99,5 @@ class Weights:
         weight = GRAVITY * sum(masses.values())
         centre = np.average(list(centres.values()), axis=0, weights=list(masses.values()))
         down = np.array(piece.step.grasp.pose_tool_to_world)[:3, :3].T @ -self._up
-        if piece.segment.tool == ToolName.SUCTION:
-            lever, tilt = float(np.hypot(*centre[:2])), float(np.arccos(np.clip(down[2], -1.0, 1.0)))
-            self.loads[piece.index] = cup_load(lever, weight, cup_shape(self.arm), tilt)
-            return
-        hand, width = hand_shape(self.arm), np.array([piece.step.grasp.width])
-        depth = np.array([max(hand.tip - float(own[:, 2].min()), 0.0)])
-        friction = GRASP_TOLERANCES.friction
-        load = jaw_load(centre[None], down[None], weight, width, depth, hand, friction)
-        self.loads[piece.index] = float(load[0])
+        hand, width = shapes_of(self.arm)[piece.segment.tool], piece.step.grasp.width
+        self.loads[piece.index] = hand.load(weight, centre, down, width, own)

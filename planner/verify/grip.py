@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from topple.planner.formats.plan_structs import Step
-from topple.planner.grasp.grasp import KINDS, GraspKind
+from topple.planner.grasp.grasp import kinds, tool_of
 from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED, SPACING
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
@@ -57,16 +57,16 @@ class Grip:
         """
         if tool not in self.arm.tools:
             return f"the arm has no {tool}"
-        if step.grasp.kind not in KINDS:
+        if step.grasp.kind not in kinds():
             return f"{step.grasp.kind!r} is no kind of grasp"
-        if (step.grasp.kind == GraspKind.SUCTION) != (tool == ToolName.SUCTION):
+        if tool_of(step.grasp.kind) != tool:
             return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
         to_tool = inverse(pose_pads_to_world) @ poses[step.object]
         parts = [transformed(part, to_tool) for part in self._parts[step.object]]
-        if tool == ToolName.SUCTION:
-            return self._cup_fails(step, closed, parts)
+        if not self.arm.tools[tool].gripper.most.opening:
+            return self._cup_fails(step, tool, closed, parts)
         hidden = [transformed(part, to_tool) for part in self._whole[step.object]]
-        return self._pads_fail(step, before, closed, [*parts, *hidden])
+        return self._pads_fail(step, tool, before, closed, [*parts, *hidden])
 
     def rides(self, name: str, carrier: str, poses: Mapping[str, FloatArray]) -> bool:
         """Whether an object lies in or on another: its middle is over that, its bottom not below."""
@@ -78,8 +78,8 @@ class Grip:
     def _corners(self, name: str, poses: Mapping[str, FloatArray]) -> FloatArray:
         return transformed(np.vstack(self._parts[name]), poses[name])
 
-    def _cup_fails(self, step: Step, closed: ToolState, parts: list[FloatArray]) -> str | None:
-        ready = self.arm.tools[ToolName.SUCTION].ready.cup_extension
+    def _cup_fails(self, step: Step, tool: str, closed: ToolState, parts: list[FloatArray]) -> str | None:
+        ready = self.arm.tools[tool].ready.cup_extension
         if abs(closed.cup_extension - ready) > LIP:
             out = 1e3 * closed.cup_extension
             return f"the cup is {out:.0f} mm out, and takes hold {1e3 * ready:.0f} mm out"
@@ -89,16 +89,14 @@ class Grip:
         return f"the lip ends {1e3 * gap:.0f} mm from {step.object}" if gap > REACHED else None
 
     def _pads_fail(
-        self, step: Step, before: ToolState, closed: ToolState, parts: list[FloatArray]
+        self, step: Step, tool: str, before: ToolState, closed: ToolState, parts: list[FloatArray]
     ) -> str | None:
-        jaw = self.arm.jaw
-        assert jaw is not None
         if abs(closed.opening - step.grasp.width) > LIP:
             told, to = 1e3 * step.grasp.width, 1e3 * closed.opening
             return f"the grasp is {told:.0f} mm wide and the pads close to {to:.0f} mm"
         if closed.opening > before.opening - OPENED:
             return f"the pads come in {1e3 * before.opening:.0f} mm apart and do not close"
-        half = np.array([jaw.pad_size[0], before.opening, jaw.pad_size[1]]) / 2.0
+        half = self.arm.tools[tool].gripper.between(before.opening) / 2.0
         points = np.vstack([*parts, sampled(parts, SPACING)])
         between = points[(np.abs(points) <= half + SPACING * np.array([0.0, 1.0, 0.0])).all(axis=1)]
         if len(between) < FEWEST_BETWEEN and distance(half, parts) > REACHED:

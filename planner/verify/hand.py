@@ -11,7 +11,6 @@ from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.grip import distance
 from topple.planner.verify.replay import Finding, Piece, Replay, off_by
 from topple.planner.verify.tolerances import NEAR
-from topple.robots.arm.gripper import ToolName
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
@@ -50,10 +49,8 @@ def off_object(replay: Replay) -> Iterator[Finding]:
     """How far objects are from the room between the pads, or from the lip [m]."""
     for piece in replay.of_kind(SegmentKind.APPROACH):
         to_tool = inverse(_ends(replay, piece)) @ piece.poses.get(piece.step.object, np.eye(4))
-        jaw = replay.arm.jaw if piece.segment.tool == ToolName.FINGERS else None
-        half = np.zeros(3)
-        if jaw is not None:
-            half = np.array([jaw.pad_size[0], piece.segment.hand.opening, jaw.pad_size[1]]) / 2.0
+        gripper = replay.arm.tools[piece.segment.tool].gripper
+        half = gripper.between(piece.segment.hand.opening) / 2.0
         yield piece.finds(distance(half, moved(replay.parts[piece.step.object], to_tool)))
 
 

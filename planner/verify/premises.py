@@ -6,8 +6,8 @@ import numpy as np
 
 from topple.planner.decide.goal import Action
 from topple.planner.fallbacks import Fallback
-from topple.planner.grasp.grasp import KINDS, GraspKind
-from topple.planner.grasp.score import score_of
+from topple.planner.grasp.grasp import tool_of
+from topple.planner.grasp.shape import shapes_of
 from topple.planner.verify.hand import own_bodies
 from topple.planner.verify.replay import Finding, Replay, off_by
 from topple.topology.bodies.matter import MATTER
@@ -21,9 +21,9 @@ def scores(replay: Replay) -> Iterator[Finding]:
     """How far scores are from what their terms make."""
     for index, step in enumerate(replay.plan.steps):
         where, grasp = f"step {index + 1} ({step.object})", step.grasp
-        if grasp.terms and grasp.kind in KINDS:
+        if grasp.terms and (shape := shapes_of(replay.arm).get(tool_of(grasp.kind))):
             try:
-                off = abs(score_of(GraspKind(grasp.kind), grasp.terms) - grasp.score)
+                off = abs(shape.score(grasp.terms) - grasp.score)
                 yield Finding(off, where, index)
             except KeyError as error:
                 yield Finding(1.0, f"{where}: a {grasp.kind} has a term {error}", index)

@@ -16,7 +16,7 @@ from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.grip import Grip
 from topple.planner.verify.tolerances import OPENED
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.robots.poses import angle_between, inverse
 from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import moved
@@ -230,7 +230,8 @@ class Replay:
         """Open the hand: what was in it lies there, or falls as far as its step says."""
         if not self._held:
             return
-        if self._tool == ToolName.FINGERS and piece.hand.opening <= self._hand.opening + OPENED:
+        closes = bool(self.arm.tools[self._tool].gripper.most.opening)
+        if closes and piece.hand.opening <= self._hand.opening + OPENED:
             self.closed.append(piece.finds(1.0, "the pads stay closed"))
             return
         place, name = piece.step.placement, piece.step.object

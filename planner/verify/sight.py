@@ -4,21 +4,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from topple.planner.grasp.fingers import coming_unseen
-from topple.planner.grasp.grasp import Grasp, GraspKind
-from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.suction import cup_shape
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.shape import coming_unseen, shapes_of
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.replay import Finding, Piece, Replay
-from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
 
 
 def _seen(replay: Replay) -> tuple[tuple[Piece, bool], ...]:
     """Tell of every way in, after the steps before it, whether cameras saw it to be empty."""
-    arm, situation = replay.arm, replay.situation
-    hand = hand_shape(arm) if ToolName.FINGERS in arm.tools else None
-    cup = cup_shape(arm) if ToolName.SUCTION in arm.tools else None
+    shapes, situation = shapes_of(replay.arm), replay.situation
     poses, found = {name: np.eye(4) for name in replay.parts}, list[tuple[Piece, bool]]()
     for piece in replay.of_kind(SegmentKind.APPROACH):
         gone = [name for name in situation.scene.names if name not in piece.before]
@@ -29,9 +24,8 @@ def _seen(replay: Replay) -> tuple[tuple[Piece, bool], ...]:
                 poses[name] = pose
         tool = piece.segment.tool
         pose = replay.tools(piece, piece.states[-1:])[0] @ replay.pads(piece)
-        kind = GraspKind.SUCTION if tool == ToolName.SUCTION else GraspKind.PINCH
-        grasp = Grasp(piece.step.object, kind, pose, 0.0, piece.segment.hand.opening, 0.0)
-        found.append((piece, not coming_unseen([grasp], situation, hand, cup)[0]))
+        grasp = Grasp(piece.step.object, shapes[tool].kind, pose, 0.0, piece.segment.hand.opening, 0.0)
+        found.append((piece, not coming_unseen([grasp], situation, shapes)[0]))
     return tuple(found)
 
 

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState, tools_of
-from topple.robots.arm.gripper_file import Gripper
+from topple.robots.arm.cup import SuctionCup
+from topple.robots.arm.gripper import FINGERS, Gripper, Tool, ToolState, tools_of
+from topple.robots.arm.gripper_file import Gripper as GripperFile
 from topple.robots.arm.inverse import distinct, solve
+from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.arm.kinematics import Chain, joint_value, pose_of_joint
 from topple.robots.arm.tolerances import STARTS
 from topple.robots.arm.urdf import Joint, Model, read_urdf
@@ -61,7 +63,7 @@ class Arm:
     model: Model
     chain: Chain
     source: Path = Path()
-    gripper: Gripper | None = None
+    gripper: GripperFile | None = None
     assumptions: tuple[str, ...] = ()
     catalog: bool = False
     apart: frozenset[frozenset[str]] = frozenset()
@@ -73,7 +75,7 @@ class Arm:
         cls,
         path: str | Path,
         tool_frame: str,
-        gripper: ParallelJaw | SuctionCup | Mapping[str, Tool] | None = None,
+        gripper: Gripper | Mapping[str, Tool] | None = None,
         *,
         name: str | None = None,
         limits: tuple[Sequence[float], Sequence[float]] | None = None,
@@ -87,9 +89,9 @@ class Arm:
         Args:
             path: The URDF.
             tool_frame: Link that carries the tool; the movable joints between it and the root are the arm's.
-                With a jaw or cup given, its frame is the tool frame: z out of the hand, y the closing
+                With a gripper given, its frame is the tool frame: z out of the hand, y the closing
                 direction.
-            gripper: The jaw, the cup, or the tools by name where their frames are offset from links.
+            gripper: The gripper, or the tools by name where their frames are offset from links.
             name: Name for reports; the file's otherwise.
             limits: Lower and upper joint limits that replace the file's, in [rad] or [m].
             velocity: Velocity limits that replace the file's.
@@ -144,22 +146,29 @@ class Arm:
 
     @property
     def jaw(self) -> ParallelJaw | None:
-        """The parallel jaw, if the hand has one."""
-        return next((t.gripper for t in self.tools.values() if isinstance(t.gripper, ParallelJaw)), None)
+        """The fingers of the hand that a world drives, if it has any."""
+        return next((jaw for tool in self.tools.values() if (jaw := tool.gripper.jaw) is not None), None)
 
     @property
     def cup(self) -> SuctionCup | None:
-        """The suction cup, if the hand has one."""
-        return next((t.gripper for t in self.tools.values() if isinstance(t.gripper, SuctionCup)), None)
+        """What a world switches on to hold by its face, if the hand has such a thing."""
+        return next((cup for tool in self.tools.values() if (cup := tool.gripper.cup) is not None), None)
+
+    @property
+    def most(self) -> ToolState:
+        """How far the hand's parts go."""
+        ends = [tool.gripper.most for tool in self.tools.values()]
+        extension = max((end.cup_extension for end in ends), default=0.0)
+        return ToolState(max((end.opening for end in ends), default=0.0), extension)
 
     @property
     def open_hand(self) -> ToolState:
         """Fingers fully open, the cup as it is on the way."""
-        return self.on_the_way(self.jaw.max_opening if self.jaw else 0.0)
+        return self.on_the_way(self.most.opening)
 
     def on_the_way(self, opening: float) -> ToolState:
         """The hand between objects: the fingers at an opening in [m], the cup drawn in where it can be."""
-        return ToolState(opening, self.cup.stowed if self.cup else 0.0)
+        return ToolState(opening, max((tool.gripper.stowed for tool in self.tools.values()), default=0.0))
 
     @property
     def parts(self) -> tuple[tuple[FloatArray, ...], ...]:
@@ -205,21 +214,20 @@ class Arm:
             (L, 4, 4) read-only.
         """
         if state not in self._offsets:
-            self._offsets[state] = frozen(self._offsets_at(self._hand_values(state)))
+            self._offsets[state] = frozen(self._offsets_at(self.hand_values(state)))
         return self._offsets[state]
 
     def joint_values(self, q: FloatArray, state: ToolState) -> dict[str, float]:
         """Values of all moving joints by name: the arm's at q (n,), the hand's, and those that mimic them."""
-        values = dict(zip(self.joints, (float(v) for v in q), strict=True)) | self._hand_values(state)
+        values = dict(zip(self.joints, (float(v) for v in q), strict=True)) | self.hand_values(state)
         moving = [joint for joint in self.model.joints.values() if joint.kind != "fixed"]
         return {joint.name: joint_value(joint, values) for joint in moving}
 
-    def _hand_values(self, state: ToolState) -> dict[str, float]:
+    def hand_values(self, state: ToolState) -> dict[str, float]:
+        """Values of the hand's driven joints by name."""
         values: dict[str, float] = {}
-        if self.jaw is not None:
-            values |= self.jaw.values(state.opening)
-        if self.cup is not None:
-            values |= self.cup.values(state.cup_extension)
+        for tool in self.tools.values():
+            values |= tool.gripper.values(state)
         return values
 
     def _offsets_at(self, values: Mapping[str, float]) -> FloatArray:
@@ -280,7 +288,7 @@ class Arm:
         link = self.tool(tool).link
         return self.offsets(self.open_hand)[self.links.index(link)] @ self.tools[tool].pose_tool_to_link
 
-    def tool_pose(self, q: FloatArray, tool: str = ToolName.FINGERS) -> FloatArray:
+    def tool_pose(self, q: FloatArray, tool: str = FINGERS) -> FloatArray:
         """Where a tool is.
 
         Args:
@@ -295,7 +303,7 @@ class Arm:
     def inverse(
         self,
         pose_tool_to_base: FloatArray,
-        tool: str = ToolName.FINGERS,
+        tool: str = FINGERS,
         *,
         seeds: int = 64,
         rng: np.random.Generator | None = None,
@@ -326,9 +334,7 @@ class Arm:
             result.append(distinct(found[np.argsort(np.abs(found - start).max(axis=1), kind="stable")]))
         return result
 
-    def reaches(
-        self, poses_tool_to_base: FloatArray, tool: str = ToolName.FINGERS, *, seeds: int = 64
-    ) -> BoolArray:
+    def reaches(self, poses_tool_to_base: FloatArray, tool: str = FINGERS, *, seeds: int = 64) -> BoolArray:
         """Whether `inverse` has a state for any of a few poses, found without looking for all of them.
 
         Args:
@@ -382,8 +388,7 @@ def _driven(model: Model, tool_frame: str, named: str) -> tuple[tuple[Joint, ...
 def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool], named: str) -> None:
     driven = {joint.name for joint in joints}
     for tool in tools.values():
-        moved = tool.gripper.joints if isinstance(tool.gripper, ParallelJaw) else [tool.gripper.joint or ""]
-        driven |= {model.joint(name).name for name in moved if name}
+        driven |= {model.joint(name).name for name in tool.gripper.values(tool.ready)}
     left = [
         joint.name
         for joint in model.joints.values()

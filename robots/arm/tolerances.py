@@ -17,6 +17,34 @@ SERIES = 4
 
 # -- gripper
 
+FINGERS_TOUCH, LIP_TOUCH = 2.0, 8.0
+"""[N] at the wrist: moves no can yet; seats a cup's lip."""
+
+GRIPPED = 0.2
+"""[s] a hand is given to be at rest as it takes hold."""
+
+CLOSED_ON_NOTHING = 0.001
+"""[m] pads closer than this have nothing between them."""
+
+FINGER_SLABS = (0.008, 0.015)
+"""Fingers taper over their last two centimetres [m]."""
+
+PRESS = 0.6
+"""Share of the jaw's continuous force used for a grip: crockery and fruit should survive it."""
+
+HINGED_OPENINGS = 4
+"""Openings at which a finger that turns is looked at: between them it swings less than it is thick."""
+
+SWUNG = (0.08, 0.003)
+"""[m] from the tip of the turned finger back, and of one prism: it leans by up to its `LEAN`."""
+
+OVER_FACE = 0.002
+"""[m] over the face of the fixed finger that what stands there counts for the finger: hulls are rough."""
+
+TRIAL_SHARE = (0.6, 0.75)
+"""Of the pads' distance, what a cube takes at most that is surely held: room for what the cameras see wrong.
+Where one finger turns it is more: the fixed one reaches beyond it, and a low cube leaves that no room."""
+
 CUP_FRICTION = 0.5
 """Of a cup on dry wood, metal, glass or stone; 0.2 to 0.3 where they are wet (Schmalz)."""
 

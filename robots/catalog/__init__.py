@@ -9,8 +9,10 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.compose import composed
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
+from topple.robots.arm.cup import SuctionCup
+from topple.robots.arm.gripper import FINGERS, SUCTION, Tool, ToolState
 from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
+from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.catalog.data import data_path, panda_file
 from topple.robots.catalog.described import DESCRIPTIONS, described
 from topple.robots.catalog.own_arm import arm_from_file
@@ -101,8 +103,8 @@ def _translation(z: float) -> FloatArray:
     return pose
 
 
-def _panda_jaw() -> ParallelJaw:
-    return ParallelJaw(
+def _panda_fingers() -> Tool:
+    jaw = ParallelJaw(
         joints=("panda_finger_joint1", "panda_finger_joint2"),
         links=("panda_leftfinger", "panda_rightfinger"),
         openings=np.array([0.0, 0.08]),
@@ -111,17 +113,12 @@ def _panda_jaw() -> ParallelJaw:
         pad_size=(0.02, 0.018),
         friction=1.0,  # rubber pads
     )
-
-
-def _panda_fingers() -> Tool:
-    jaw = _panda_jaw()
-    pose = _translation(0.1034)  # hand origin to the middle between the finger pads
-    return Tool(ToolName.FINGERS, "panda_hand", pose, jaw, jaw.links, ToolState(jaw.max_opening))
+    return Tool.of(jaw, "panda_hand", _translation(0.1034))  # the middle between the finger pads
 
 
 def panda() -> Arm:
     """Franka's Panda with its hand."""
-    return _panda_arm("panda", panda_file(), {ToolName.FINGERS: _panda_fingers()})
+    return _panda_arm("panda", panda_file(), {FINGERS: _panda_fingers()})
 
 
 def panda_suction() -> Arm:
@@ -132,8 +129,8 @@ def panda_suction() -> Arm:
     )
     # the fingers stand open beside the extended cup, out of the way of what it takes
     ready = ToolState(0.08, design.stroke)
-    lip = Tool(ToolName.SUCTION, "panda_hand", _translation(design.extended_lip), cup, (CUP_LINK,), ready)
-    tools: dict[str, Tool] = {ToolName.FINGERS: _panda_fingers(), ToolName.SUCTION: lip}
+    lip = Tool(SUCTION, "panda_hand", _translation(design.extended_lip), cup, (CUP_LINK,), ready)
+    tools: dict[str, Tool] = {FINGERS: _panda_fingers(), SUCTION: lip}
     return _panda_arm("panda-suction", panda_with_cup(panda_file(), design), tools)
 
 
@@ -163,7 +160,7 @@ def iiwa() -> Arm:
     arm = Arm.from_urdf(
         urdf,
         fingers.link,
-        {ToolName.FINGERS: fingers},
+        {FINGERS: fingers},
         name="iiwa",
         velocity=(1.71, 1.71, 1.75, 2.27, 2.44, 3.14, 3.14),  # of the data sheet
         acceleration=10.0,  # not published: moderate for the class
@@ -190,13 +187,12 @@ def xarm6() -> Arm:
         arc=swing.imag - np.interp(pad.max() / 2.0, pad, swing.imag),
     )
     hand = ("left_outer_knuckle", "right_outer_knuckle", "left_inner_knuckle", "right_inner_knuckle")
-    ready = ToolState(jaw.max_opening)
     pads = _translation(0.148)  # gripper base to the middle of the half open pads
-    tool = Tool(ToolName.FINGERS, "xarm_gripper_base_link", pads, jaw, (*jaw.links, *hand), ready)
+    tool = Tool.of(jaw, "xarm_gripper_base_link", pads, *hand)
     arm = Arm.from_urdf(
         data_path() / "xarm" / "xarm6_with_gripper.urdf",
         "xarm_gripper_base_link",
-        {ToolName.FINGERS: tool},
+        {FINGERS: tool},
         name="xarm6",
         acceleration=20.0,  # the largest of the manual
         home=(0.0, -0.5, -0.9, 0.0, 1.4, 0.0),  # hand down, in front

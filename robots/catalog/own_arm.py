@@ -10,8 +10,9 @@ from scipy.spatial import QhullError
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.arm_chain import arm_chain, hold_still
+from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.elements import first_of
-from topple.robots.arm.gripper import SuctionCup, Tool, ToolName, ToolState
+from topple.robots.arm.gripper import FINGERS, SUCTION, Tool, ToolState
 from topple.robots.arm.gripper_file import (
     ArmPart,
     Cup,
@@ -91,13 +92,13 @@ def arm_from_file(
     if jaw is None:
         fingers = _fingers(model, wanted.jaw)
         jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
-    tools: dict[str, Tool] = {} if jaw is None else {ToolName.FINGERS: jaw}
+    tools: dict[str, Tool] = {} if jaw is None else {FINGERS: jaw}
     if wanted.cup is not None:
         if CUP_LINK in model.links:
             raise InvalidInput(f"{path.name}: it has a link {CUP_LINK!r} of its own: rename it")
         design, origin = _cup_design(wanted.cup)
         robot.extend(ElementTree.fromstring(f"<robot>{cup_xml(design, wanted.cup.link, origin)}</robot>"))
-        tools[ToolName.SUCTION] = _suction(wanted.cup, design, jaw)
+        tools[SUCTION] = _suction(wanted.cup, design, jaw)
     made, estimated = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers), fine)
     frame = _tool_frame(model, fingers, wanted)
     kinds = [joint.kind for joint in model.path_to(frame) if joint.kind != "fixed"]
@@ -228,10 +229,8 @@ def _gripper(gripper: str | Path | Gripper | Jaw | Cup | None) -> tuple[Gripper,
         hand = gripper if named else described(str(gripper))
         found = read_gripper(gripper) if hand is None else Gripper(hand=Hand(urdf=str(hand)))
         return found, str(gripper)
-    if isinstance(gripper, Jaw):
-        gripper = Gripper(jaw=gripper)
-    if isinstance(gripper, Cup):
-        gripper = Gripper(cup=gripper)
+    if not isinstance(gripper, Gripper):  # one part of it, under its name
+        gripper = msgspec.structs.replace(Gripper(), **{type(gripper).__name__.lower(): gripper})
     checked(gripper, "gripper")
     return gripper, "gripper"
 
@@ -289,7 +288,7 @@ def _suction(cup: Cup, design: CupDesign, jaw: Tool | None) -> Tool:
         friction=cup.friction,
     )
     ready = ToolState(opening, cup.stroke)
-    return Tool(ToolName.SUCTION, cup.link, pose_of_offset(cup.offset), made, (CUP_LINK,), ready)
+    return Tool(SUCTION, cup.link, pose_of_offset(cup.offset), made, (CUP_LINK,), ready)
 
 
 def _tool_frame(model: Model, fingers: Fingers | None, gripper: Gripper) -> str:

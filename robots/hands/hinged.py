@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.robots.arm.gripper import Tool, ToolName, ToolState
+from topple.robots.arm.gripper import Tool
 from topple.robots.arm.gripper_file import Jaw
 from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.kinematics import pose_of_joint
@@ -106,7 +106,7 @@ def hinged_jaw(model: Model, joint: Joint, given: Jaw | None = None) -> Tool | N
         pad_size=(max(high - low, LEAST_PAD), HINGED_PAD),
         friction=given.friction,
     )
-    return Tool(ToolName.FINGERS, joint.parent, pose, jaw, links, ToolState(jaw.max_opening))
+    return Tool.of(jaw, joint.parent, pose)
 
 
 def _in(turn: FloatArray, parts: Sequence[FloatArray]) -> list[FloatArray]:

@@ -9,8 +9,9 @@ from typing import NoReturn
 
 import numpy as np
 
-from topple.robots.arm.gripper import ParallelJaw, Tool, ToolName, ToolState
+from topple.robots.arm.gripper import Tool
 from topple.robots.arm.gripper_file import Jaw, pose_of_offset
+from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.arm.kinematics import joint_value, pose_of_joint
 from topple.robots.arm.urdf import Model
 from topple.robots.collision.convex import section
@@ -224,7 +225,7 @@ class _Hand:
             arc=arc if arc.any() else None,
         )
         hand = tuple(carrier for carrier in self._groups if carrier not in jaw.links)
-        return Tool(ToolName.FINGERS, link, pose, jaw, (*jaw.links, *hand), ToolState(jaw.max_opening))
+        return Tool.of(jaw, link, pose, *hand)
 
     def _third(self, links: tuple[str, str], values: Mapping[str, float]) -> str | None:
         """A part of the open hand as far out as its two fingers, and on neither's branch."""

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.robots.arm.gripper import ParallelJaw, Tool, ToolName, ToolState
+from topple.robots.arm.gripper import Tool
+from topple.robots.arm.jaw import ParallelJaw
 from topple.topology.base.arrays import FloatArray
 
 PALM = "wsg50_palm"
@@ -55,7 +56,7 @@ def wsg50_fingers() -> Tool:
         pad_size=(0.03, 0.04),
         friction=1.0,  # rubber pads
     )
-    return Tool(ToolName.FINGERS, PALM, _pads(), jaw, FINGERS, ToolState(jaw.max_opening))
+    return Tool.of(jaw, PALM, _pads())
 
 
 def _pads() -> FloatArray:

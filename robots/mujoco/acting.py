@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import SuctionCup
+from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.mujoco.engine import mujoco
 from topple.robots.mujoco.tolerances import CLOSING, MOST_PUSH, PUSHING, STIFFNESS
@@ -98,12 +98,12 @@ class MujocoArm(ActingArm):
         data.qfrc_applied[dofs] = np.clip(torques[dofs], -most, most)
         if self.jaw is not None:
             share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
-            for name, value in self.jaw.values(self._opening).items():
+            for name, value in self.jaw.values(self.tool_state).items():
                 lever = self.jaw.lever(name)
                 self._press(name, value, share * lever, self.jaw.speed / 2.0 / lever, CLOSING)
         if self.cup is not None:
             push = self.control.seating if self.vacuum is None else np.inf
-            for name, value in self.cup.values(self._extension).items():
+            for name, value in self.cup.values(self.tool_state).items():
                 most = self._efforts.get(name, np.inf)
                 force = min(push, most if np.isfinite(most) else MOST_PUSH)
                 self._press(name, value, force, self.cup.speed, PUSHING)

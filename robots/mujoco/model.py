@@ -209,7 +209,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
     jaw = arm.jaw
     pads = jaw.links if jaw is not None else ()
     driven = dict(zip(arm.joints, range(len(arm.joints)), strict=True))
-    hand = (*(jaw.joints if jaw is not None else ()), *(arm.cup.values(0.0) if arm.cup is not None else ()))
+    hand = tuple(arm.hand_values(arm.open_hand))
     added: dict[str, Any] = {}
     shapes: list[Shape] = []
     for link, frame in zip(arm.links, arm.frame_of_link, strict=True):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.robots.arm.gripper import SuctionCup
+from topple.robots.arm.cup import SuctionCup
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.world.vacuum import Vacuum, lip_rays, sealed_on
 from topple.topology.base.arrays import FloatArray

@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import SuctionCup, ToolName, ToolState
+from topple.robots.arm.cup import SuctionCup
+from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.driver import Motion
 from topple.robots.poses import inverse
 from topple.robots.tolerances import TOLERANCES
@@ -42,8 +43,7 @@ class ActingArm(ABC):
         self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
         self.q_target = rounded(np.array(arm.home if q is None else q, dtype=float))
         self.jaw, self.cup = arm.jaw, arm.cup
-        self._opening = self.jaw.max_opening if self.jaw else 0.0
-        self._extension = self.cup.stowed if self.cup else 0.0
+        self._opening, self._extension = arm.open_hand.opening, arm.open_hand.cup_extension
         self._grip_force = self.jaw.force if self.jaw else 0.0
         self.vacuum: Vacuum | None = None
         self.touched: dict[str, Touch] = {}
@@ -55,8 +55,7 @@ class ActingArm(ABC):
         """The world it stands in."""
 
     def _hand_values(self) -> dict[str, float]:
-        values = self.jaw.values(self._opening) if self.jaw else {}
-        return values | (self.cup.values(self._extension) if self.cup else {})
+        return self.arm.hand_values(self.tool_state)
 
     # -- what it senses
 
@@ -290,7 +289,8 @@ class ActingArm(ABC):
         """
         if not self.cup:
             raise InvalidInput(f"{self.arm.name} has no suction cup: use a robot such as panda-suction")
-        self.vacuum = self._vacuum_on(self.cup, self.tool_pose(ToolName.SUCTION))
+        tool = next(name for name, tool in self.arm.tools.items() if tool.gripper.cup is self.cup)
+        self.vacuum = self._vacuum_on(self.cup, self.tool_pose(tool))
         if self.cup.joint is not None:  # what gave way as the lip was seated does not push back
             self._extension = float(self.joint_positions([self.cup.joint])[0])
         return self.vacuum is not None
@@ -306,7 +306,7 @@ class ActingArm(ABC):
     def _give_way(self, compliance: Compliance) -> None:
         """Holds what a compliant arm would, with these forces on its pads."""
         assert self.jaw is not None
-        tool = self.arm.tool(ToolName.FINGERS)
+        tool = self.arm.tool(FINGERS)
         pose_tool_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
         places, forces = self.on_pads()
         places = places - pose_tool_to_world[:3, 3]

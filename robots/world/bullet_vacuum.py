@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.robots.arm.gripper import SuctionCup
+from topple.robots.arm.cup import SuctionCup
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world.tolerances import CONSTRAINT_ERP

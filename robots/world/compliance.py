@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.gripper import FINGERS
 from topple.robots.poses import angle_between, inverse
 from topple.topology.base.arrays import FloatArray
 
@@ -79,6 +79,6 @@ class Compliance:
         jacobian = self.arm.chain.jacobian(frames, pose_tool_to_base[None, :3, 3])[0]
         in_base = (twist.reshape(2, 3) @ pose_tool_to_base[:3, :3].T).reshape(-1)
         moved = q + np.linalg.lstsq(jacobian, in_base, rcond=1e-2)[0]
-        there, here = self.arm.tool_pose(np.stack([moved, self.start]), ToolName.FINGERS)
+        there, here = self.arm.tool_pose(np.stack([moved, self.start]), FINGERS)
         near = np.linalg.norm(there[:3, 3] - here[:3, 3]) < self.distance
         return moved if near and angle_between(there, here) < self.angle else q

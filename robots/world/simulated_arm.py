@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import SuctionCup
+from topple.robots.arm.cup import SuctionCup
 from topple.robots.engine import pybullet
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.world.acting_arm import ActingArm
@@ -192,7 +192,7 @@ class SimulatedArm(ActingArm):
         )  # fmt: skip
         if self.jaw:
             share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
-            for name, value in self.jaw.values(self._opening).items():
+            for name, value in self.jaw.values(self.tool_state).items():
                 pybullet.setJointMotorControl2(
                     self.id, self._index[name], pybullet.POSITION_CONTROL, targetPosition=value,
                     force=share * self.jaw.lever(name),
@@ -200,7 +200,7 @@ class SimulatedArm(ActingArm):
                 )  # fmt: skip
         if self.cup:
             push = self.control.seating if self.vacuum is None else math.inf
-            for name, value in self.cup.values(self._extension).items():
+            for name, value in self.cup.values(self.tool_state).items():
                 pybullet.setJointMotorControl2(
                     self.id, self._index[name], pybullet.POSITION_CONTROL, targetPosition=value,
                     force=min(push, self._limit[name]), maxVelocity=self.cup.speed, physicsClientId=client,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.robots.arm.gripper import SuctionCup, lip_plane, vacuum_load
+from topple.robots.arm.cup import SuctionCup, lip_plane, vacuum_load
 from topple.robots.poses import inverse
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import AT_LIMIT, CLEAR, PEEL_STEPS, RAYS, REACH, TILT

@@ -95,11 +95,11 @@ def test_a_cup_holds_a_box_over_its_weight(world: World) -> None:
     pose = np.eye(4)
     world.add(shapes.box("crate", (0.16, 0.1, 0.06)), pose)
     scene = scene_from_world(world.client, names={number: name for name, number in world.ids.items()})
-    arm = robot("panda-suction")
+    tools = [cup_shape(robot("panda-suction"))]
     middle = scene.clouds["crate"].mean(axis=0)
     aside = middle + np.array([0.06, 0.0, 0.0])
     best = [
-        grasp_candidates("crate", Situation.of(scene.weighed(centres={"crate": at})), cup=cup_shape(arm))[0]
+        grasp_candidates("crate", Situation.of(scene.weighed(centres={"crate": at})), tools=tools)[0]
         for at in (middle, aside)
     ]
     places = [float(grasp.pose_tool_to_world[0, 3]) for grasp in best]

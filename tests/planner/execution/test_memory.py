@@ -6,7 +6,7 @@ from on_table import on_table
 
 from topple.planner.decide.goal import Action
 from topple.planner.execution.memory import Memory
-from topple.planner.grasp.grasp import Grasp, GraspKind
+from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Context, NextStep, Station
@@ -21,7 +21,7 @@ STATION = Station(robot("panda"), np.eye(4), np.asarray(robot("panda").home))
 
 
 def step(action: Action, name: str = "mug", along: float = 0.1) -> NextStep:
-    grasp = Grasp(name, GraspKind.RIM, pose_at(0.03, 0.0, 0.08), 0.004, 0.04, 0.5)
+    grasp = Grasp(name, "rim", pose_at(0.03, 0.0, 0.08), 0.004, 0.04, 0.5)
     placement = Placement(pose_at(along, 0.0, 0.0), 1.0)
     return NextStep(Transfer(name, grasp, placement, (), np.zeros(7), {}), action, "", ORDER)
 

@@ -13,7 +13,7 @@ from topple.planner.execution.judge import Judge
 from topple.planner.planning.holding import check_second
 from topple.robots import robot as robot_named
 from topple.robots import shapes
-from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.gripper import SUCTION
 from topple.robots.engines import MUJOCO, arm_in
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
@@ -77,7 +77,7 @@ def test_what_two_arms_cannot_do_is_refused_in_a_line() -> None:
             loop_in(stage, wrist_camera=True)
     cup = robot_named("panda-suction")
     with pytest.raises(InvalidInput, match="holds with a parallel jaw"):
-        check_second(replace(cup, tools={ToolName.SUCTION: cup.tools[ToolName.SUCTION]}))
+        check_second(replace(cup, tools={SUCTION: cup.tools[SUCTION]}))
 
 
 def test_two_arms_take_a_world_on_bullet() -> None:

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from topple.planner.grasp import Grasp, grasp_candidates
-from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.jaw import hand_shape
 from topple.planner.grasp.surroundings import Dropped
-from topple.robots.arm.gripper import SuctionCup
+from topple.robots.arm.cup import SuctionCup
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.cutlery import spoon

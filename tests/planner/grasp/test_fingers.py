@@ -13,10 +13,9 @@ from topple.planner.decide.arrange import Order
 from topple.planner.failure import FailureLog
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.candidates import grasp_candidates
-from topple.planner.grasp.fingers import coming_unseen
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.rank import rank_grasps
+from topple.planner.grasp.shape import coming_unseen, shapes_of
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.planner.planning.plan_format import plan_from_json, plan_to_json
@@ -71,7 +70,7 @@ def pinch(height: float = 0.05, score: float = 1.0) -> Grasp:
     ids=["in a shadow", "no shadow", "another camera", "no camera"],
 )
 def test_a_finger_in_a_shadow_comes_unseen(scene: Scene, unseen: bool) -> None:
-    assert coming_unseen([pinch()], Situation(scene), hand_shape(PANDA), None).tolist() == [unseen]
+    assert coming_unseen([pinch()], Situation(scene), shapes_of(PANDA)).tolist() == [unseen]
     (ranked,) = rank_grasps(scene, [pinch()], "panda")
     assert (ranked.dropped, ranked.grasp.unseen) == (None, unseen)
 

@@ -5,11 +5,11 @@ from on_table import on_table
 from trimesh.transformations import euler_matrix
 
 from topple.planner.grasp import grasp_candidates
-from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.load import chance_to_hold, cup_load, jaw_load, weight_of
-from topple.planner.grasp.suction import cup_shape
+from topple.planner.grasp.jaw import hand_shape
+from topple.planner.grasp.load import chance_to_hold, jaw_load, weight_of
+from topple.planner.grasp.suction import cup_load, cup_shape
 from topple.planner.grasp.surroundings import Dropped
-from topple.robots.arm.gripper import vacuum_load
+from topple.robots.arm.cup import vacuum_load
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box
@@ -18,7 +18,7 @@ from topple.robots.world.world import World
 from topple.topology.scene.scene import Scene
 from topple.topology.statics.tolerances import DENSITY
 
-HAND, CUP = hand_shape(robot("panda")), cup_shape(robot("panda-suction"))
+HAND, CUP = hand_shape(robot("panda")), cup_shape(robot("panda-suction")).cup
 DOWN = np.array([[0.0, 0.0, 1.0]])  # a hand from above comes in along gravity
 SIZE = (0.24, 0.05, 0.06)
 

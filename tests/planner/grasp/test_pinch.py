@@ -2,17 +2,19 @@ import numpy as np
 import pytest
 
 from topple.planner.grasp.frames import frames
-from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.jaw import hand_shape
 from topple.planner.grasp.pads import extents, packed
-from topple.planner.grasp.pinch import Pinch, pinches
-from topple.planner.grasp.surface import Surface, surface_of
-from topple.planner.grasp.surroundings import surroundings
+from topple.planner.grasp.pinch import pinches
+from topple.planner.grasp.shape import Sought
+from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, OWN_MARGIN
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.tableware import bowl, mug, plate
 from topple.robots.world.bodies import Body
 from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 HAND = hand_shape(robot("panda"))
 UP = np.array([0.0, 0.0, 1.0])
@@ -36,14 +38,10 @@ def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
 PLATE, BOWL = plate("thing"), bowl("thing")
 
 
-def searched(scene: Scene, name: str) -> tuple[Surface, np.ndarray, list[list[Pinch]]]:
-    around = surroundings(name, scene, UP)
-    surface = surface_of(scene.clouds[name], UP, others=around.points)
-    found = [
-        pinches(one, surface, around, UP, HAND)
-        for one in frames(surface, UP, GRASP_TOLERANCES.tilts, count=8)
-    ]
-    return surface, around.points, found
+def searched(scene: Scene, name: str) -> tuple[Surface, np.ndarray, list[list[Grasp]]]:
+    sought = Sought.of(name, Situation(scene))
+    directions = frames(sought.surface, UP, GRASP_TOLERANCES.tilts, count=8)
+    return sought.surface, sought.around.points, [pinches(one, sought, HAND) for one in directions]
 
 
 @pytest.mark.parametrize("name", ["can", "bowl"])
@@ -70,7 +68,7 @@ def test_every_prism_of_the_hand_is_clear_of_every_point_looked_at_one_by_one(na
 def test_hollow_ware_is_taken_by_its_rim_with_one_finger_on_either_side_of_the_wall(body: Body) -> None:
     scene = clouds(thing=(body, (0.0, 0.0, 0.0)))
     _, _, found = searched(scene, "thing")
-    rims = [pinch for at_point in found for pinch in at_point if pinch.rim]
+    rims = [pinch for at_point in found for pinch in at_point if pinch.kind == "rim"]
     assert rims
     best = max(rims, key=lambda pinch: sum(pinch.terms.values()))
     outer = np.linalg.norm(scene.clouds["thing"][:, :2], axis=1).max()
@@ -87,17 +85,15 @@ def test_a_plate_flat_on_a_table_leaves_no_room_for_a_finger_below_its_rim() -> 
 
 def test_directions_looked_at_together_give_what_each_gives_alone() -> None:
     scene = clouds(can=(can(), (0.0, 0.0, 0.0)), wall=(box("wall", (0.2, 0.03, 0.1)), (0.0, 0.08, 0.0)))
-    around = surroundings("can", scene, UP)
-    surface = surface_of(scene.clouds["can"], UP, others=around.points)
-    counts = list[int]()
-    for many in frames(surface, UP, GRASP_TOLERANCES.tilts, count=3):
-        together = pinches(many, surface, around, UP, HAND)
+    sought, counts = Sought.of("can", Situation(scene)), list[int]()
+    for many in frames(sought.surface, UP, GRASP_TOLERANCES.tilts, count=3):
+        together = pinches(many, sought, HAND)
         alone = [
             pinch
             for k in range(len(many.tilts))
             for pinch in pinches(
                 type(many)(many.origin, many.rotations[k : k + 1], many.tilts[k : k + 1]),
-                surface, around, UP, HAND,
+                sought, HAND,
             )
         ]  # fmt: skip
         assert len(together) == len(alone)

@@ -10,7 +10,7 @@ from topple.benchmarks.grasps import random_grasps
 from topple.benchmarks.plain_hands import against, held
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.jaw import hand_shape
 from topple.planner.grasp.rank import camera_frame, rank_all, rank_grasps
 from topple.planner.grasp.suction import cup_shape
 from topple.planner.planning.order import order

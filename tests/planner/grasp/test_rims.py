@@ -8,10 +8,10 @@ from moving import at, straight
 from on_table import on_table
 
 from topple.planner.grasp import Grasp, grasp_candidates
-from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.jaw import hand_shape
 from topple.planner.grasp.surroundings import Dropped
-from topple.planner.grasp.tolerances import PRESS
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.tolerances import PRESS
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box

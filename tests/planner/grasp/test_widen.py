@@ -1,7 +1,7 @@
 import numpy as np
 
 from topple.planner.grasp.candidates import grasp_candidates
-from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.jaw import hand_shape
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.scene.scene import Scene
@@ -23,8 +23,8 @@ def beside(distance: float) -> Scene:
 
 def test_the_hand_opens_as_far_as_there_is_room_beside_its_fingers() -> None:
     scene = beside(0.25)
-    plain = grasp_candidates("can", scene, hand=HAND)
-    wide = grasp_candidates("can", scene, hand=HAND, wide=True)
+    plain = grasp_candidates("can", scene, tools=[HAND])
+    wide = grasp_candidates("can", scene, tools=[HAND], wide=True)
     assert [grasp.pose_tool_to_world.tolist() for grasp in wide] == [
         grasp.pose_tool_to_world.tolist() for grasp in plain
     ]
@@ -35,7 +35,7 @@ def test_the_hand_opens_as_far_as_there_is_room_beside_its_fingers() -> None:
 
 def test_it_opens_no_further_where_a_neighbour_would_be_met() -> None:
     scene = beside(0.07)  # the wall's near side is 35 mm off the can's
-    wide = grasp_candidates("can", scene, hand=HAND, wide=True)
+    wide = grasp_candidates("can", scene, tools=[HAND], wide=True)
     across = [grasp for grasp in wide if abs(grasp.pose_tool_to_world[1, 1]) > 0.9]
     assert across
     for grasp in across:

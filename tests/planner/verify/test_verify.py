@@ -83,7 +83,7 @@ def test_each_step_says_what_is_proven_by_which_means_and_nothing_is_open(checke
     for one in checked.steps:
         assert {proof.means for proof in one.proven} >= {
             "hand state replayed",
-            "friction and force of the pads, pull of the cup",
+            "force and friction of what holds it",
             "rated payload, gravity torques on the way",
             "cubics through the samples",
             "swept certificate derived again",

@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topple.robots.arm.gripper import SuctionCup, ToolState, lip_plane
+from topple.robots.arm.cup import SuctionCup, lip_plane
+from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import names, robot
 
 
@@ -13,7 +14,7 @@ def test_opening_and_joint_values_are_inverse(name: str, share: float) -> None:
     jaw = robot(name).jaw
     assert jaw is not None
     opening = jaw.openings[0] + share * (jaw.max_opening - jaw.openings[0])
-    assert jaw.opening(jaw.values(opening)) == pytest.approx(opening, abs=1e-9)
+    assert jaw.opening(jaw.values(ToolState(opening))) == pytest.approx(opening, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", names())
@@ -63,13 +64,13 @@ def test_tips_are_as_far_beyond_the_pads_at_every_opening(name: str) -> None:
 def test_beyond_its_stroke_a_jaw_stays_at_the_end() -> None:
     jaw = robot("panda").jaw
     assert jaw is not None
-    assert jaw.values(1.0) == jaw.values(jaw.max_opening)
-    assert jaw.values(-1.0) == jaw.values(0.0)
+    assert jaw.values(ToolState(1.0)) == jaw.values(jaw.most)
+    assert jaw.values(ToolState(-1.0)) == jaw.values(ToolState())
 
 
 def test_a_fixed_cup_has_no_joint_and_a_retractable_one_is_clipped() -> None:
-    assert SuctionCup("cup", None, 0.0, 0.015, 42.0).values(0.1) == {}
-    assert SuctionCup("cup", "push", 0.05, 0.015, 42.0).values(0.1) == {"push": 0.05}
+    assert SuctionCup("cup", None, 0.0, 0.015, 42.0).values(ToolState(0.0, 0.1)) == {}
+    assert SuctionCup("cup", "push", 0.05, 0.015, 42.0).values(ToolState(0.0, 0.1)) == {"push": 0.05}
 
 
 def test_a_lip_follows_a_slope_and_has_to_bridge_what_no_plane_has() -> None:

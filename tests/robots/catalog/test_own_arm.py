@@ -12,8 +12,10 @@ import pytest
 
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, ToolState
+from topple.robots.arm.cup import SuctionCup
+from topple.robots.arm.gripper import ToolState
 from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
+from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.catalog import data_path, robot
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.world.simulated_arm import SimulatedArm
@@ -46,7 +48,7 @@ def test_a_jaw_is_recognised_as_the_catalog_has_it_from_data_sheets(
     assert abs(found.pose_tool_to_link[:3, 1] @ known.pose_tool_to_link[:3, 1]) == pytest.approx(1.0)
     assert jaw.max_opening == pytest.approx(other.max_opening, abs=1e-3)
     for opening in np.linspace(0.1, 0.9, 5) * other.max_opening:
-        values, wanted = jaw.values(opening), other.values(opening)
+        values, wanted = jaw.values(ToolState(opening)), other.values(ToolState(opening))
         assert all(abs(values[joint] - wanted[joint]) < 0.01 for joint in values)
 
 
@@ -168,7 +170,9 @@ def test_what_the_file_gives_goes_before_what_is_measured(tmp_path: Path) -> Non
     jaw = tool.gripper
     assert isinstance(jaw, ParallelJaw)
     assert (tool.link, jaw.force, jaw.pad_size, jaw.max_opening) == ("panda_link8", 35.0, (0.02, 0.018), 0.06)
-    assert jaw.values(0.06) == pytest.approx({"panda_finger_joint1": 0.03, "panda_finger_joint2": 0.03})
+    assert jaw.values(ToolState(0.06)) == pytest.approx(
+        {"panda_finger_joint1": 0.03, "panda_finger_joint2": 0.03}
+    )
     measured = robot(PANDA, gripper=Jaw(joints=["panda_finger_joint1"], link="panda_link8")).tools["fingers"]
     assert measured.pose_tool_to_link[:3, 3] == pytest.approx([0.0, 0.0, 0.1], abs=0.006)
 

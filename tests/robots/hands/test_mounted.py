@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from topple.planner.formats.plan_robot import arm_data, arm_from
-from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.gripper_file import Gripper, Hand
+from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.catalog import robot
 from topple.topology.base.errors import InvalidInput
 

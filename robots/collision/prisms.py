@@ -1,5 +1,6 @@
 """Upright prisms of a hand: what sweeps space when it comes in along the approach."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -44,3 +45,16 @@ def prisms(vertices: FloatArray, slabs: tuple[float, ...]) -> tuple[Prism, ...]:
             (x0, y0), (x1, y1) = piece[:, :2].min(axis=0), piece[:, :2].max(axis=0)
             found.append(Prism((float(x0), float(x1)), (float(y0), float(y1)), upper))
     return tuple(found)
+
+
+def filled(prisms: Sequence[Prism], length: float, layers: int) -> FloatArray:
+    """Points (N, 3) in prisms, from their fronts some metres back [m]."""
+    grids = [
+        np.meshgrid(
+            np.linspace(*prism.x, 3),
+            np.linspace(*prism.y, 3),
+            prism.front - np.linspace(0.0, length, layers),
+        )
+        for prism in prisms
+    ]
+    return np.vstack([np.column_stack([axis.ravel() for axis in grid]) for grid in grids])
