@@ -35,7 +35,7 @@ docs: .venv/dev.stamp
 
 # Every picture of the docs, from the scripts in docs/figures and benchmarks; some ten minutes.
 figures: .venv/docs.stamp film
-	for figure in relations reasoning floor_plan badges pages; do $(BIN)/python docs/figures/$$figure.py || exit 1; done
+	for figure in relations reasoning floor_plan badges pages table; do $(BIN)/python docs/figures/$$figure.py || exit 1; done
 	$(BIN)/python -m topple.benchmarks.wrong -o docs/wrong
 	$(BIN)/python benchmarks/without_order.py 21 docs/without_order.png
 
@@ -46,7 +46,7 @@ peers: | python
 	done
 
 # The moving picture of the README, from a run that is played for it.
-film: .venv/dev.stamp
+film: .venv/docs.stamp
 	$(BIN)/python docs/figures/film.py docs/dishes.webp
 
 # docs/plan.schema.json is what the structs of planner/formats/plan_structs.py say; a test holds it to that.

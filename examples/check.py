@@ -3,9 +3,12 @@
 python examples/check.py
 """
 
+from pathlib import Path
+
 import numpy as np
 
 import topple
+from topple.planner import check_page
 from topple.testing import assert_stands
 from topple.topology import Mesh
 
@@ -38,6 +41,7 @@ def main() -> None:
                 f"{np.degrees(each.margins.tilt):.1f} degrees, or {each.margins.push:.2f} N pushed at its top"
             )
     assert_stands(scene)
+    Path("check.html").write_text(check_page(scene, found.to_json(), "A mug on a book"), encoding="utf-8")
 
 
 if __name__ == "__main__":

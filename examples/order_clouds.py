@@ -3,10 +3,12 @@
 python examples/order_clouds.py
 """
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.planner import order
+from topple.planner import order, show_page
 from topple.topology import Relation, Scene, relate
 
 Points = NDArray[np.float64]  # (N, 3) in [m]
@@ -47,8 +49,10 @@ def main() -> None:
 
     found = order(scene, "left", relations=relations)
     print(f"to free the left box: {', '.join(found.order)}")
-    for sentence in found.explanation:
-        print(sentence)
+    print(*found.explanation, sep="\n")
+    page = Path("order.html")
+    page.write_text(show_page(scene, relations, found), encoding="utf-8")
+    print(f"{page}: what is where, and why in this order")
 
 
 if __name__ == "__main__":

@@ -6,11 +6,12 @@ With two paths both scenes are written there, for `topple plan START.npz --to GO
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
 import topple
-from topple.planner import Observer
+from topple.planner import Observer, plan_page
 from topple.robots.scenarios import Scenario, scenario_called
 
 
@@ -45,6 +46,7 @@ def main(paths: list[str], seed: int = 1) -> int:
         return 1
     for step in plan.steps:
         print(f"{step.object} {step.reason}")
+    Path("swap.html").write_text(plan_page(plan, start), encoding="utf-8")
     print(*plan.assumptions, sep="\n")  # it was checked by other means, where none says that it could not be
     print(f"{len(plan.steps)} moves, {plan.seconds:.0f} s of motion, certified: {plan.certified}")
     return 0

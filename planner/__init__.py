@@ -26,8 +26,10 @@ if TYPE_CHECKING:
     from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
     from topple.planner.rearranging.task import ArrangementTask, DescribedTask, RelatedTask, SameShapesTask
+    from topple.planner.report.check_page import check_page
     from topple.planner.report.plan_page import plan_page
     from topple.planner.report.run_page import run_page
+    from topple.planner.report.show import show_page
     from topple.planner.stability.check import ObjectCheck, StabilityCheck, check
 
 __all__ = [
@@ -56,6 +58,7 @@ __all__ = [
     "arrange",
     "build_order",
     "check",
+    "check_page",
     "demo",
     "dependencies",
     "grasps_from_array",
@@ -72,6 +75,7 @@ __all__ = [
     "rearrange",
     "run",
     "run_page",
+    "show_page",
 ]
 
 __getattr__, __dir__ = lazy_names(
@@ -100,6 +104,8 @@ __getattr__, __dir__ = lazy_names(
         "rearranging.rearrange": "Rearrangement rearrange",
         "rearranging.task": "SameShapesTask DescribedTask ArrangementTask RelatedTask",
         "report.plan_page": "plan_page",
+        "report.check_page": "check_page",
         "report.run_page": "run_page",
+        "report.show": "show_page",
     },
 )

@@ -125,8 +125,9 @@ def test_the_python_block_relates_orders_and_plans(outputs: dict[str, str]) -> N
     printed = next(
         output.splitlines() for step, output in outputs.items() if step.startswith("import topple")
     )
-    assert printed[0] == "fork - partial within - plate"
-    assert printed[-1].startswith("[('free', 'can', ") and printed[-1].endswith(" True")
+    assert printed[0].startswith("fork partial within plate ")
+    assert [line.split()[1] for line in printed[2:7]] == ["can", "fork", "spoon_1", "spoon_2", "plate"]
+    assert printed[-1] == "plan: free can, verified: True"
 
 
 def test_the_readme_is_one_screen() -> None:

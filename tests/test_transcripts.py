@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted((ROOT / "docs" / "transcripts").glob("*.md"))
 BIN = os.environ.get("TOPPLE_BIN", str(Path(sys.executable).parent))
 FEW = 5  # commands from a frame to an order: fewer than that
-NEEDS = {"ros": ("rosbags", "ros")}
+NEEDS = {"ros": ("rosbags", "ros"), "ur5e": ("airo_models", "arms")}
 """Page -> module that it needs besides, and the extra of topple that brings it."""
 ARMS = ROOT / "docs" / "transcripts" / "arms.md"
 
@@ -30,7 +30,7 @@ def commands(page: Path) -> list[str]:
 
 
 def test_there_is_one_for_each_way_to_begin() -> None:
-    assert [page.stem for page in PAGES] == ["arms", "bop", "frame", "grasps", "ros", "urdf"]
+    assert [page.stem for page in PAGES] == ["arms", "bop", "frame", "grasps", "ros", "ur5e"]
     for page, (_, extra) in NEEDS.items():
         assert f"pip install '.[{extra}]'" in (ARMS.parent / f"{page}.md").read_text()
 

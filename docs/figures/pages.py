@@ -12,8 +12,8 @@ from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
-from studio import HERE
 
+HERE = Path(__file__).resolve().parent
 EXAMPLES = HERE.parents[1] / "examples"
 SCRUB = "() => { const { player } = window.panels[0]; if (player) player.seek(0.62 * player.motion.last); }"
 TOPPLE = Path(sys.executable).with_name("topple")

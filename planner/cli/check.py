@@ -100,7 +100,7 @@ def _code(document: Any) -> int:
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
     if not stored(as_json, kept, path, document):
         print_text(f"{path}: {document['verdict']}")
-        from topple.planner.report.words import CHECK_HEADINGS, check_cells
+        from topple.planner.decide.words import CHECK_HEADINGS, check_cells
 
         cells, headings = [check_cells(each) for each in document["objects"]], [*CHECK_HEADINGS]
         if "played" in document:

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-from collections.abc import Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ from topple.planner.cli.tables import print_assumptions
 from topple.topology.base.files import write_whole
 
 if TYPE_CHECKING:
-    from topple.planner.formats.plan_structs import Step
     from topple.planner.planning.plan_format import Plan
     from topple.planner.verify.verification import Verification
 
@@ -37,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--allow-drop",
         action="store_true",
-        help="let go what stays nowhere the arm can put it, to fall as it will; its step says so",
+        help="release an object even if no stable place is in reach; the step is marked `falls`",
     )
     parser.add_argument(
         "--verify",
@@ -128,20 +126,7 @@ def _print_proofs(checked: "Verification") -> None:
 
 
 def _print_plan(path: str, plan: "Plan") -> None:
-    where = "searched" if plan.base_searched else "given"
-    x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
-    proven = "every motion certified" if plan.certified else "NOT every motion certified"
-    count = f"{len(plan.steps)} step{'' if len(plan.steps) == 1 else 's'}"
-    print_text(
-        f"{path}: {plan.goal}, {count}, {plan.seconds:.1f} s of motion, {proven}",
-        f"{plan.robot} stands at {x:.3f} {y:.3f} {z:.3f} m ({where})",
-    )
-    rows = [_row(number, step, plan.steps) for number, step in enumerate(plan.steps, start=1)]
-    print_table(("", "action", "object", "because", "grasp", "after", "motion s"), rows, right=(0, 6))
+    title, where = plan.heading()
+    print_text(f"{path}: {title}", where)
+    print_table(("", "action", "object", "because", "grasp", "after", "motion s"), plan.rows(), right=(0, 6))
     print_assumptions(plan.assumptions)
-
-
-def _row(number: int, step: "Step", steps: Sequence["Step"]) -> tuple[str, ...]:
-    seconds = sum(segment.motion.times[-1] for segment in step.segments if segment.motion is not None)
-    after = ", ".join(steps[index].object for index in step.after)
-    return (str(number), step.action, step.object, step.reason, step.grasp.kind, after, f"{seconds:.1f}")

@@ -1,11 +1,10 @@
 """The documents of the contract as tables for people."""
 
 from collections.abc import Mapping
-from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import print_table, print_text
-from topple.planner.rounded import rounded
+from topple.topology.base.rounded import rounded
 
 if TYPE_CHECKING:
     from topple.topology.scene.scene import Scene
@@ -55,24 +54,15 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         document: A `topple.order` document.
         movable: Number of objects that could be taken, where it is to be told.
     """
-    from topple.planner.report.words import holds_in_words, how_sure, listed, order_in_words
+    from topple.planner.decide.words import order_heading, order_notes, order_rows
 
-    steps = order_in_words(document)
-    targets, risk = document["targets"], document["risk"]
-    count = f"{len(dict(steps))}" + (" objects" if movable is None else f" of {movable} movable objects")
-    purpose = f"to free {listed(targets)}" if targets else "to clear everything"
-    print_text(f"{title}: {purpose}, take {count} in this order")
-    rows = [(str(i), name, why, how_sure(risk.get(name, 0))) for i, (name, why) in enumerate(steps, start=1)]
-    print_table(("", "take", "because", "how sure"), rows, right=(0,))
+    print_text(f"{title}: {order_heading(document, movable)}")
+    print_table(("", "take", "because", "how sure"), order_rows(document), right=(0,))
     if document["supports"]:
         print_text("", "What carries what:")
         rows = [_support(support) for support in document["supports"]]
-        print_table(("supporter", "supported", "kind", "confidence", ""), rows, right=(3,))
-    for group in document["groups"]:
-        print_text(f"{listed(group)} hold each other: take them together, or hold the others.")
-    for hold, words in zip(document.get("holds", ()), holds_in_words(document), strict=True):
-        by = "With the fixture" if hold.get("fixture") else "With a second hand"
-        print_text(f"{by}, {words}.")
+        print_table(("", "", "", "confidence", ""), rows, right=(3,))
+    print_text(*order_notes(document))
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 
@@ -99,16 +89,10 @@ def print_build(title: str, document: Document) -> None:
         title: What is built.
         document: A `topple.order` document of a build order.
     """
-    from topple.planner.report.words import how_sure
+    from topple.planner.decide.words import order_heading, order_rows
 
-    names, risk = document["order"], document["risk"]
-    print_text(f"{title}: to build it, put {len(names)} objects down in this order")
-    reasons = [line.partition(": ")[2] for line in document["explanation"]]
-    rows = [
-        (str(i), name, why, how_sure(risk.get(name, 0)))
-        for i, (name, why) in enumerate(zip(names, reasons, strict=True), start=1)
-    ]
-    print_table(("", "put down", "because", "how sure"), rows, right=(0,))
+    print_text(f"{title}: {order_heading(document)}")
+    print_table(("", "put down", "because", "how sure"), order_rows(document), right=(0,))
     holds = document["holds"]
     for hold in holds:
         since = "" if hold["since"] == hold["object"] else f" from when {hold['since']} is put down"
@@ -145,9 +129,10 @@ def print_moves(title: str, document: Document) -> None:
 
 
 def _support(support: Document) -> tuple[str, ...]:
-    inferred = "inferred" if support.get("inferred") else ""
-    sure = f"{support['confidence']:.2f}"
-    return (support["supporter"], support["supported"], support.get("kind", ""), sure, inferred)
+    from topple.planner.decide.words import WORDS
+
+    told = (support["supported"], WORDS.get(support.get("kind", ""), ""), support["supporter"])
+    return (*told, f"{support['confidence']:.2f}", "inferred" if support.get("inferred") else "")
 
 
 def print_run(title: str, document: Document) -> None:
@@ -157,39 +142,12 @@ def print_run(title: str, document: Document) -> None:
         title: What it was done in.
         document: A `topple.run` document.
     """
-    steps = document["steps"]
-    outcome = {"reached": "done", "not reached": "failed"}.get(document["verdict"], document["verdict"])
-    print_text(
-        f"{title}: {document['goal']}, {outcome} after {len(steps)} actions, {document['seconds']:.1f} s"
-    )
-    rows = [_action(i, step) for i, step in enumerate(steps, start=1)]
-    print_table(("", "object", "action", "", "disturbed", "relations", "s"), rows, right=(0, 6))
-    for i, step in enumerate(steps, start=1):
+    from topple.planner.formats.run_record import run_heading, run_rows
+
+    print_text(f"{title}: {run_heading(document)}")
+    print_table(("", "object", "action", "", "disturbed", "relations", "s"), run_rows(document), right=(0, 6))
+    for i, step in enumerate(document["steps"], start=1):
         print_text(*(f"{i} {step['object']}: {event}" for event in step.get("events", ())))
-
-
-def _action(number: int, step: Document) -> tuple[str, ...]:
-    from topple.planner.tolerances import DISTURBED, TURNED  # which take numpy
-
-    moved = [
-        f"{name} {metres * 1000:.1f} mm {degrees(turn):.1f}°"
-        for name, (metres, turn) in step["disturbed"].items()
-        if metres > DISTURBED or turn > TURNED
-    ]
-    outcome = "done" if step["success"] else "failed"
-    if step["attempts"] > 1:
-        outcome += f", attempt {step['attempts']}"
-    relations = "as predicted" if step["relations_as_predicted"] else "not as predicted"
-    disturbed = ", ".join(moved) or "nothing"
-    return (
-        str(number),
-        step["object"],
-        step["action"],
-        outcome,
-        disturbed,
-        relations,
-        f"{step['seconds']:.1f}",
-    )
 
 
 def models_in(scene: "Scene") -> dict[str, Any]:

@@ -1,10 +1,10 @@
 """The safest order that a dependency graph allows, and what is said of it."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 import networkx as nx
 import numpy as np
@@ -12,10 +12,11 @@ import numpy as np
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.hold import Hold
 from topple.planner.decide.sequence import safest
+from topple.planner.decide.words import order_heading, order_notes, order_rows
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.notebook import in_cell
-from topple.topology.base.values import ByValue, FrozenDict
+from topple.topology.base.values import ByValue, FrozenDict, in_columns
 from topple.topology.statics.support import Support
 
 
@@ -40,9 +41,25 @@ TakeApart = Callable[[Sequence[str], Sequence[Sequence[str]]], Apart]
 """(order to be preferred, its groups) -> how it comes apart."""
 
 
+class OrderStep(NamedTuple):
+    """A step of an order, as `for step in order` gives it.
+
+    Attributes:
+        object: What is taken.
+        reason: Why at this place, in words.
+        risk: Chance, 0..1, that taking it moves something else.
+        before: What has to go before it, first to go first.
+    """
+
+    object: str
+    reason: str
+    risk: float
+    before: tuple[str, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Order(ByValue):
-    """A safe order, and everything it was derived from.
+    """A safe order, and everything it was derived from; `for step in order` gives an `OrderStep` each.
 
     Attributes:
         targets: What is to be freed; the last of `order`.
@@ -83,6 +100,26 @@ class Order(ByValue):
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
         return in_cell(self)
+
+    def __iter__(self) -> Iterator[OrderStep]:
+        """The steps, first to take first."""
+        for _, name, reason, _ in order_rows(self.to_json()):
+            needed = self.graph.before(name)
+            before = tuple(other for other in dict.fromkeys(self.order) if other in needed)
+            yield OrderStep(name, reason, self.risk.get(name, 0.0), before)
+
+    @property
+    def next(self) -> OrderStep | None:
+        """The first step; None where nothing is to be taken."""
+        return next(iter(self), None)
+
+    def __str__(self) -> str:
+        """The steps as `topple order` prints them, what is held, and what has no order."""
+        document = self.to_json()
+        rows = [(number, name, sure, why) for number, name, why, sure in order_rows(document)]
+        lines = [*in_columns(rows), *order_notes(document)]
+        lines += [f"no safe order: each has to go first, {cycle}" for cycle in self.certificate]
+        return "\n".join([order_heading(document, len(self.graph.names)), *lines])
 
     @property
     def certificate(self) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from topple.planner.decide.disturbance import (
 )
 from topple.planner.decide.rates import overlooked
 from topple.planner.decide.tolerances import COUNTS, PRESSED, RESTS
+from topple.planner.decide.words import WORDS, said
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.base.values import ByValue, Word
@@ -83,12 +84,18 @@ class Dependency:
             raise InvalidInput(f"{self.reason!r} is no reason: expected one of {', '.join(REASONS)}")
         object.__setattr__(self, "reason", Reason(self.reason))
 
+    @property
+    def word(self) -> str:
+        """How `first` lies to `then`: rests on, leans on, is inside, blocks, or is balanced by it."""
+        return WORDS[said({"reason": self.reason, "lies": self.lies})]
+
     def to_json(self) -> dict[str, Any]:
         """The dependency as the JSON of `topple order` has it."""
         document = {
             "first": self.first,
             "then": self.then,
             "reason": str(self.reason),
+            "word": self.word,
             "confidence": round(self.confidence, 3),
             "evidence": [each.to_json() for each in self.evidence],
         }
@@ -96,14 +103,7 @@ class Dependency:
 
     def sentence(self) -> str:
         """The reason in words."""
-        say = {
-            Reason.SUPPORTED: f"{self.first} rests on {self.then}",
-            Reason.LEANING: f"{self.first} {f'lies {self.lies}' if self.lies else 'leans on'} {self.then}",
-            Reason.CONTAINED: f"{self.first} lies in {self.then}",
-            Reason.COUNTERWEIGHT: f"{self.then} holds {self.first} in place by its weight",
-            Reason.BLOCKING: f"{self.first} is over {self.then}, in the way of lifting it",
-        }
-        told = say.get(self.reason, f"taking {self.then} would move {self.first}")
+        told = f"{self.first} {self.word} {self.then}"
         lying = [each for each in self.evidence if not each.swept] or self.evidence
         return f"{told} ({'; '.join(map(str, lying))})" if lying else told
 

@@ -59,7 +59,7 @@ def may_go(chosen: Order) -> list[str]:
 def why_first(name: str, chosen: Order) -> str:
     """Why an object goes before others of an order, in words."""
     after = [
-        f"{edge.then} ({edge.reason})"
+        f"{edge.then} ({edge.word} it)"
         for edge in chosen.graph.dependencies
         if edge.first == name and edge.then in chosen.order
     ]

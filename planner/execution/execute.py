@@ -49,7 +49,7 @@ Watch = Callable[[str, str], None]
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What became of a transfer.
+    """Result of executing a transfer.
 
     Attributes:
         success: The object was taken, carried and let go where it should be.

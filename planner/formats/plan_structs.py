@@ -7,6 +7,7 @@ from topple.planner.formats.plan_robot import ArmData
 from topple.planner.motion.trajectory import Trajectory
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.notebook import in_cell
+from topple.topology.base.values import in_columns
 
 FORMAT = "topple.plan"
 FORMAT_VERSION = 1
@@ -286,6 +287,33 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
         if way is None:
             raise InvalidInput(f"step {step}: the arm stands still in segment {index}, {kinds[index]}")
         return way
+
+    def heading(self) -> list[str]:
+        """The goal with number, duration and proof of the motions, and where the arm stands: two lines."""
+        x, y, z = (row[3] for row in self.pose_base_to_world[:3])
+        proven = "every motion certified" if self.certified else "NOT every motion certified"
+        count = f"{len(self.steps)} step{'' if len(self.steps) == 1 else 's'}"
+        where = "searched" if self.base_searched else "given"
+        return [
+            f"{self.goal}, {count}, {self.seconds:.1f} s of motion, {proven}",
+            f"{self.robot} stands at {x:.3f} {y:.3f} {z:.3f} m ({where})",
+        ]
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """A row for each step: number, action, object, reason, grasp, what it comes after, motion [s]."""
+        rows: list[tuple[str, ...]] = []
+        for number, step in enumerate(self.steps, start=1):
+            seconds = sum(part.motion.times[-1] for part in step.segments if part.motion is not None)
+            deed, after = (
+                (step.action, step.object, step.reason, step.grasp.kind),
+                (self.steps[i] for i in step.after),
+            )
+            rows.append((str(number), *deed, ", ".join(other.object for other in after), f"{seconds:.1f}"))
+        return rows
+
+    def __str__(self) -> str:
+        """What `topple plan` prints: the goal, where the arm stands, a line for each step."""
+        return "\n".join([*self.heading(), *in_columns(self.rows())])
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""

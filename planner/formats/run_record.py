@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import degrees
 from typing import Any
 
 from topple.planner.formats.arm_motion import ArmMotion
+from topple.planner.tolerances import DISTURBED, TURNED
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.notebook import in_cell
-from topple.topology.base.values import ByValue
+from topple.topology.base.values import ByValue, in_columns
 from topple.topology.scene.scene import Scene
 from topple.topology.views.image import Photo
 
@@ -156,6 +158,29 @@ class RunRecord(ByValue):
         return "not reached" if self.missing else "reached" if self.success else "reached with violations"
 
     @property
+    def summary(self) -> str:
+        """The outcome in one line, as "Plate freed in 5 moves. Nothing else moved."."""
+        before, free, names = self.goal.partition("free ")
+        what, verb = f"{self.goal}:", "reached"
+        if free and not before:
+            what, verb = names.capitalize() if names.isalpha() else names, "freed"
+        if self.missing:
+            return f"{what} not {verb}: {self.missing[0]}."
+        if self.success:
+            return (
+                f"{what} {verb} in {len(self.steps)} move{'s' * (len(self.steps) != 1)}. Nothing else moved."
+            )
+        wrong, *others = self.violations or ("a violation",)
+        name, _, deed = wrong.partition(": ")
+        at = [number for number, step in enumerate(self.steps, start=1) if deed and step.object == name]
+        told = f"{deed} in step {at[-1]}" if at else wrong
+        return f"{what} {verb}, but {told}{f', and {len(others)} more' if others else ''}."
+
+    def __str__(self) -> str:
+        """What `topple run` prints: the outcome, and a line for each action."""
+        return "\n".join([run_heading(found := self.to_json()), *in_columns(run_rows(found))])
+
+    @property
     def interrupted(self) -> bool:
         """Somebody ended the run before it came to its end."""
         return self.stopped == INTERRUPTED
@@ -181,3 +206,26 @@ class RunRecord(ByValue):
             "stopped": self.stopped,
             "interrupted": self.interrupted,
         }
+
+
+def run_heading(run: Document) -> str:
+    """What a `topple.run` document says of the whole run, in one line."""
+    outcome = {"reached": "done", "not reached": "failed"}.get(run["verdict"], run["verdict"])
+    return f"{run['goal']}, {outcome} after {len(run['steps'])} actions, {run['seconds']:.1f} s"
+
+
+def run_rows(run: Document) -> list[tuple[str, ...]]:
+    """A row for each action of a `topple.run` document, with what else it moved."""
+    rows: list[tuple[str, ...]] = []
+    for number, step in enumerate(run["steps"], start=1):
+        moved = [
+            f"{name} {metres * 1000:.1f} mm {degrees(turn):.1f}°"
+            for name, (metres, turn) in step["disturbed"].items()
+            if metres > DISTURBED or turn > TURNED
+        ]
+        outcome = "done" if step["success"] else "failed"
+        outcome += f", attempt {step['attempts']}" if step["attempts"] > 1 else ""
+        relations = "as predicted" if step["relations_as_predicted"] else "not as predicted"
+        deed, disturbed = (step["object"], step["action"], outcome), ", ".join(moved) or "nothing"
+        rows.append((str(number), *deed, disturbed, relations, f"{step['seconds']:.1f}"))
+    return rows

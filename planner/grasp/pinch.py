@@ -18,9 +18,9 @@ from topple.planner.grasp.pads import Between, antipodality, between, extents, p
 from topple.planner.grasp.shape import Sought
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import OWN_MARGIN, PINCH_BRUSH, PINCH_TIGHT, ROUGH
-from topple.planner.rounded import rounded
 from topple.robots.collision.prisms import Prism
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.rounded import rounded
 
 WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
 """Exponents of a pinch's terms: one that is nil spoils the grasp alone."""

@@ -20,9 +20,9 @@ from topple.planner.motion.tolerances import (
     RELAXED,
     ROUNDS,
 )
-from topple.planner.rounded import rounded
 from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.base.errors import InvalidInput
+from topple.topology.base.rounded import rounded
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,10 @@ from collections.abc import Collection
 import numpy as np
 
 from topple.planner.motion.collision import Checker
-from topple.planner.rounded import rounded
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.rounded import rounded
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 

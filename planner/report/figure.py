@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.planner.decide.words import order_in_words, ordinal, shortened
 from topple.planner.formats.pictures import png
 from topple.planner.report.drawing import Document, Documented, Drawing, DrawnObject, document, view_data
 from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_head
@@ -22,7 +23,6 @@ from topple.planner.report.palette import (
     relation_colour,
 )
 from topple.planner.report.raster import Projection, render_clouds
-from topple.planner.report.words import order_in_words, ordinal, shortened
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.scene import Scene
@@ -101,7 +101,7 @@ def order_gif(
             way = drawing.up * LIFT * drawing.radius * (step / RISE) ** 2
             lifted = replace(taken, points=taken.points + way)
             frames.append((_frame(drawing, [*left.values(), lifted], coarse, words), WAITS[1]))
-    frames.append((_frame(drawing, [*left.values()], fine, "Done."), WAITS[2]))
+    frames.append((_frame(drawing, drawing.objects, fine, f"Order: {', '.join(dict(told))}."), WAITS[2]))
     first, *others = (picture.quantize(128) for picture, _ in frames)
     waits, buffer = [wait for _, wait in frames], io.BytesIO()
     first.save(buffer, "GIF", save_all=True, append_images=others, duration=waits, loop=0, optimize=True)
@@ -281,7 +281,7 @@ def _graph(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
         pen.polygon(arrow_head(points, 8 * shrink), colour)
     size = max(7.0, 11 * shrink)  # smaller letters cannot be read
     for edge, centre in graph.labels.items():
-        (x, y), text = placed(centre), ", ".join(graph.reasons[edge])
+        (x, y), text = placed(centre), graph.label(edge)
         half = _width(text, size) / 2 + 2
         pen.box(x - half, y - size / 2, x + half, y + size / 2, PAPER)
         pen.text(x, y, text, size=size, colour=reason_colour(graph.reasons[edge][0]), anchor="mm")

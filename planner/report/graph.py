@@ -10,6 +10,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
+from topple.planner.decide.words import WORDS, because, ordinal, places, said, shortened
 from topple.planner.report.html import key
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import (
@@ -21,7 +22,6 @@ from topple.planner.report.palette import (
     object_colours,
     reason_colour,
 )
-from topple.planner.report.words import because, ordinal, places, said, shortened
 from topple.topology.scene.scene import Scene
 
 Document = Mapping[str, Any]
@@ -60,6 +60,10 @@ class DrawnGraph:
     targets: frozenset[str]
     hidden: int  # arrows left out because they follow from others
 
+    def label(self, edge: Edge) -> str:
+        """The words on an arrow: how its first object lies to its second one."""
+        return _label(self.reasons[edge])
+
     @staticmethod
     def of(names: Sequence[str], order: Document, row: float = 620.0) -> "DrawnGraph":
         """Lay out the graph of an order in layers, each connected part by itself, the parts in rows.
@@ -88,13 +92,17 @@ class DrawnGraph:
         kept = {edge: reasons[edge] for edge in graph.edges}
         labels = _label_places(routes, kept, boxes)
         ends = [x + width / 2 for x, _, width in boxes.values()]
-        ends += [x + len(", ".join(kept[edge])) * LETTER / 2 for edge, (x, _) in labels.items()]
+        ends += [x + len(_label(kept[edge])) * LETTER / 2 for edge, (x, _) in labels.items()]
         ends += [x for route in routes.values() for x, _ in route]
         width, hidden = max(ends, default=0.0) + MARGIN, len(reasons) - len(kept)
         targets = frozenset(str(name) for name in order.get("targets", ()))
         return DrawnGraph(
             width, low + MARGIN, boxes, routes, labels, place, kept, confidence, targets, hidden
         )
+
+
+def _label(reasons: Sequence[str]) -> str:
+    return ", ".join(WORDS.get(reason, reason) for reason in reasons)
 
 
 def graph_box(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[str, int]) -> str:
@@ -107,7 +115,7 @@ def graph_box(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[s
     """
     used = dict.fromkeys(reason for reasons in graph.reasons.values() for reason in reasons)
     keys = "".join(
-        key(reason_colour(reason), reason)
+        key(reason_colour(reason), WORDS.get(reason, reason))
         for reason in [*filter(used.__contains__, REASON_COLOURS), *(used.keys() - REASON_COLOURS.keys())]
     )
     note = "An arrow from a to b: a goes before b. " if used else "No arrows: nothing has to go first. "
@@ -239,7 +247,7 @@ def _label_places(
     taken = [(x, y, width, HIGH) for x, y, width in boxes.values()]
     labels: dict[Edge, Point] = {}
     for edge, route in routes.items():
-        width, high = len(", ".join(reasons[edge])) * LETTER + 8.0, 14.0
+        width, high = len(_label(reasons[edge])) * LETTER + 8.0, 14.0
         for part in (0.5, 0.35, 0.65, 0.2, 0.8):
             x, y = _along(route, part)
             if all(abs(x - u) > (width + w) / 2 or abs(y - v) > (high + h) / 2 for u, v, w, h in taken):
@@ -260,7 +268,7 @@ def _svg(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[str, i
     parts = [_arrow(graph, edge, index) for edge in graph.routes]
     parts += [
         f'<text class="reason" {_ends(edge, index)} x="{x:.1f}" y="{y + 4:.1f}">'
-        f"{escape(', '.join(graph.reasons[edge]))}</text>"
+        f"{escape(graph.label(edge))}</text>"
         for edge, (x, y) in graph.labels.items()
     ]
     parts += [_box(graph, name, colours.get(name, FIXED_COLOUR), index) for name in graph.boxes]

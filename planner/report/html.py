@@ -77,6 +77,16 @@ def columns(left: str, right: str) -> str:
     return f'<main class="columns"><div>{left}</div><div>{right}</div></main>'
 
 
+def beside(left: str, right: str) -> str:
+    """Two parts of a page side by side, one above the other where it is narrow."""
+    return f'<div class="columns even"><div>{left}</div><div>{right}</div></div>'
+
+
+def glance(photo: str, words: str, graph: str) -> str:
+    """What is read first: the photo beside words and graph, or the words beside the graph without one."""
+    return beside(photo, words + graph) if photo else beside(words, graph)
+
+
 def table(headings: Sequence[str], rows: str, *, numbers: Collection[str] = ()) -> str:
     """A table that scrolls where it is wider than its place.
 

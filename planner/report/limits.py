@@ -11,7 +11,7 @@ class Limits:
     cell_points: int = 20_000  # of a notebook's cell: 0.2 MB, so that a notebook of fifty stays small
     picture_points: int = 20_000  # of a moving picture: a third of a page's, there are thirty
     live_points: int = 150_000  # of a live page: what a laptop's graphics draw at once
-    run_points: int = 160_000  # of a whole run, shared by its steps
+    run_points: int = 75_000  # of a whole run, shared by its steps: a page of five steps stays below 1.5 MB
     least_points: int = 150  # of an object, however many share the budget: fewer look like no surface
     fixed_share: float = 0.3  # of the points, that tables and shelves may take together
     finest: float = 0.0025  # [m] cells in which noise is averaged away; a spoon still has a rim
@@ -21,13 +21,10 @@ class Limits:
     parts: float = 0.006  # [m] between points of what is drawn from its convex parts
     outline: float = 0.003  # [m] by which a drawn hull may differ: a pixel or two, and few enough edges
     crease: float = 3.0  # [degrees] between facets whose edge is drawn
-    label: int = 18  # letters of a name in a graph; the tooltip has all of it
     graph_edges: int = 60  # arrows above which a graph shows its transitive reduction, and says so
     matrix: int = 20  # objects up to which a page has the square of relations: a column wide
     rows: int = 40  # of a live table of relations: more push the sliders out of sight
     path_points: int = 200  # of a drawn tool path
-    sure: float = 0.05  # risk below which 2 of 100 steps move something else (one camera, 619 steps)
-    guess: float = 0.3  # risk above which 18 of 100 do (135 steps), between the two 11 (689 steps)
 
 
 LIMITS = Limits()

@@ -13,7 +13,6 @@ from topple.planner.report.palette import object_colours
 from topple.planner.report.plan_page import order_of, step_list
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import order_list, relation_table, sentence_list
-from topple.planner.report.words import listed
 from topple.topology.geometry.samples import sampled
 from topple.topology.scene.scene import Scene
 
@@ -28,12 +27,10 @@ TALL, LOW = 560, 360  # [px] of a cell with a view, and of one without
 
 def scene_cell(scene: Scene) -> str:
     """The surfaces of a scene, to turn and zoom; nothing is related for it."""
-    facts = [f"{len(scene.movable)} objects"]
-    facts += [f"fixed: {listed(sorted(scene.fixed))}"] if scene.fixed else []
-    facts += [] if scene.up is not None else ["up is not known"]
+    objects, fixed, size, *_ = str(scene).splitlines()
     view = view_data(Drawing.of(scene, LIMITS.cell_points), {}, None)
     below = sentence_list(scene.assumptions, "Assumptions")
-    return _framed(view_page("Scene", _lead("; ".join(facts)), view, (below, ""), compact=True))
+    return _framed(view_page("Scene", _lead(f"{objects}; {fixed}; {size}"), view, (below, ""), compact=True))
 
 
 def relations_cell(relations: "Relations") -> str:
@@ -57,10 +54,7 @@ def plan_cell(plan: "Plan") -> str:
         thing.name: sampled([np.asarray(part) for part in thing.whole or thing.parts], LIMITS.parts)
         for thing in plan.objects
     }
-    lead = _lead(
-        f"{plan.goal} with {plan.robot}: {len(plan.steps)} steps, {plan.seconds:.0f} s of motion, "
-        f"{'all' if plan.certified else 'not all'} proven free between samples"
-    )
+    lead = _lead("; ".join(plan.heading()))
     order = order_of(plan)
     if not clouds:
         words = step_list(plan, order, {}) + sentence_list(plan.assumptions, "Assumptions")

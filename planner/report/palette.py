@@ -26,7 +26,6 @@ RELATION_COLOURS: dict[str, Colour] = {
 REASON_COLOURS: dict[str, Colour] = {
     "supported": (118, 127, 138),
     "leaning": (202, 103, 2),
-    "lying": (94, 108, 60),
     "contained": (0, 128, 128),
     "blocking": (142, 68, 173),
     "counterweight": (121, 85, 72),

@@ -7,10 +7,10 @@ from html import escape
 import numpy as np
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
+from topple.planner.decide.words import ordinal, places, shortened
 from topple.planner.formats.pictures import jpeg
 from topple.planner.report.drawing import Document, Drawing
 from topple.planner.report.palette import Colour, css, ink_on
-from topple.planner.report.words import ordinal, places, shortened
 from topple.topology.base.arrays import BoolArray
 from topple.topology.scene.scene import Scene
 from topple.topology.views.image import Photo

@@ -6,19 +6,19 @@ from html import escape
 import numpy as np
 from msgspec import to_builtins
 
+from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_in_words, sentence
 from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
 from topple.planner.placement.away import BODIES
 from topple.planner.planning.plan_format import Plan
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
-from topple.planner.report.html import Span, bullets, folded, plain_table, view_page
+from topple.planner.report.html import Span, bullets, folded, glance, plain_table, view_page
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
-from topple.planner.report.words import TARGET, UNTIED, counted, millimetres, order_in_words, sentence
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.verification import Verification
 from topple.robots.arm.arm import Arm
@@ -74,12 +74,13 @@ def plan_page(
         bands = [(f"{number}. {step.object}", since, until) for number, (step, since, until) in named]
         told = motion_json(motion, shape, drawing.index, drawing.centre, bands)
     found = document(relations)
-    right = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}{_checked(verification)}"
-    right += photo(scene, drawing, order) + "<h2>Relations</h2>" + relation_table(found, drawing.index)
-    right += sentence_list(list(dict.fromkeys(plan.assumptions)), "Assumptions")
+    steps = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}"
     top = _head(plan, bands, refuted=verification is not None and not verification.ok)
-    view, below = view_data(drawing, found, order, None, told), dependency_section(scene, drawing, order)
-    return view_page(f"topple: plan to {plan.goal}", top, view, (below, right), arm=shape)
+    top += glance(photo(scene, drawing, order), steps, dependency_section(scene, drawing, order))
+    right = _checked(verification) + folded("Relations", relation_table(found, drawing.index))
+    right += sentence_list(list(dict.fromkeys(plan.assumptions)), "Assumptions")
+    view = view_data(drawing, found, order, None, told)
+    return view_page(f"topple: plan to {plan.goal}", top, view, ("", right), arm=shape)
 
 
 def check_scene(plan: Plan, scene: Scene) -> None:

@@ -2,20 +2,19 @@
 
 import base64
 import math
-from collections.abc import Sequence
 from html import escape
 from typing import Any
 
+from topple.planner.decide.words import counted, millimetres, sentence
 from topple.planner.formats.pictures import as_jpeg
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, view_data
-from topple.planner.report.html import bullets, folded, page, plain_table, table, viewer
+from topple.planner.report.html import beside, bullets, folded, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section
-from topple.planner.report.tables import Change, order_list, relation_changes, relation_table
-from topple.planner.report.words import counted, millimetres, sentence
+from topple.planner.report.tables import order_list, relation_changes, relation_table
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.topology.base.arguments import checked_arguments
 
@@ -59,11 +58,10 @@ class _RunPage:
         deed = f"{step.action} {step.object}" if step.object else step.action
         html = _turns(f"Step {number} of {len(self.record.steps)}: {deed}")
         html += f"<p>{escape(sentence(step.reason))}</p>" if step.reason else ""
-        html += bullets([sentence(text) for text in step.events]) + _facts(step)
+        html += bullets([sentence(text) for text in step.events])
         drawing = None if step.scene is None else Drawing.of(step.scene, self.points)
-        html += self.picture_pair(step, drawing)
-        sides = f"<div>{_disturbed(step)}</div><div>{_predictions(step)}</div>"
-        html += f'<div class="columns even">{sides}</div>'
+        html += self.picture_pair(step, drawing) + self.ordered(drawing, step)
+        html += _facts(step) + beside(_disturbed(step), _predictions(step))
         html += self.seen(drawing, step, "Seen before this step, and what the arm did")
         return f'<section class="step">{html}</section>'
 
@@ -72,11 +70,10 @@ class _RunPage:
         html = _turns(f"End: the goal is {record.verdict}")
         if record.violations:
             html += '<h2 class="bad">Violations</h2>' + bullets(record.violations)
-        else:
-            html += "<p>No violation: nothing the plan does not handle was disturbed.</p>"
         html += "<h2>Notes</h2>" + bullets(record.notes) if record.notes else ""
         drawing = None if record.scene is None else Drawing.of(record.scene, self.points)
-        return f'<section class="step">{html}{self.seen(drawing, record, "Seen at the end")}</section>'
+        html += self.ordered(drawing, record) + self.seen(drawing, record, "Seen at the end")
+        return f'<section class="step">{html}</section>'
 
     def picture_pair(self, step: StepRecord, drawing: Drawing | None) -> str:
         """What a camera saw before, its masks outlined, and after."""
@@ -99,22 +96,25 @@ class _RunPage:
             f'<figcaption class="note">{when.capitalize()}</figcaption></figure>'
         )
 
+    def ordered(self, drawing: Drawing | None, moment: StepRecord | RunRecord) -> str:
+        """The order from a moment on beside its graph."""
+        if moment.scene is None or drawing is None or moment.order is None:
+            return ""
+        words = "<h2>Order from here</h2>" + order_list(moment.order, drawing.index)
+        return beside(words, dependency_section(moment.scene, drawing, moment.order))
+
     def seen(self, drawing: Drawing | None, moment: StepRecord | RunRecord, title: str) -> str:
-        """View, relations, graph and order of one moment."""
-        scene, relations, order = moment.scene, moment.relations, moment.order
-        if scene is None or drawing is None:
+        """View and relations of one moment."""
+        relations, order = moment.relations, moment.order
+        if drawing is None:
             return ""
         path = moment.tool_path if isinstance(moment, StepRecord) else None
         motion = moment.motion if self.arm and isinstance(moment, StepRecord) else None
         told = None if motion is None else motion_json(motion, self.arm, drawing.index, drawing.centre)
         self.views.append(view_data(drawing, relations or {}, order, path, told))
-        left = viewer(len(self.views) - 1, self.views[-1])
-        right = ""
-        if order is not None:
-            left += dependency_section(scene, drawing, order)
-            right += "<h2>Order from here</h2>" + order_list(order, drawing.index)
-        right += "" if relations is None else "<h2>Relations</h2>" + relation_table(relations, drawing.index)
-        return f'<h2>{escape(title)}</h2><div class="columns"><div>{left}</div><div>{right}</div></div>'
+        html = f"<h2>{escape(title)}</h2>{viewer(len(self.views) - 1, self.views[-1])}"
+        told = "" if relations is None else folded("Relations", relation_table(relations, drawing.index))
+        return html + told
 
 
 def _disturbed_by(step: StepRecord) -> list[str]:
@@ -137,15 +137,12 @@ def _turns(title: str) -> str:
 
 def _head(record: RunRecord) -> str:
     facts = [
-        counted(len(record.steps), "step"),
-        counted(len(record.violations), "violation") if record.violations else "no violation",
-        f"robot {record.robot}",
-        f"seed {record.seed}",
+        f"{record.goal}: {counted(len(record.steps), 'step')}",
+        f"robot {record.robot}, seed {record.seed}",
         *([f"{record.seconds:.1f} s"] if record.seconds > 0 else []),
     ]
     return (
-        f'<header><h1>{escape(record.goal)}: <span class="{"good" if record.success else "bad"}">'
-        f"{record.verdict}</span></h1>"
+        f'<header><h1 class="{"good" if record.success else "bad"}">{escape(record.summary)}</h1>'
         f'<p class="lead">{escape(", ".join(facts))}. The arrow keys go from step to step.</p></header>'
     )
 
@@ -198,26 +195,12 @@ def _disturbed(step: StepRecord) -> str:
 
 
 def _predictions(step: StepRecord) -> str:
-    """Where what was seen afterwards differs from what was predicted."""
-    html = "<h2>Predicted and observed relations</h2>"
-    wrong = '<p class="bad">Not as predicted.</p>'
-    if step.predicted is None or step.observed is None:
-        return html + ("<p>As predicted.</p>" if step.relations_as_predicted else wrong)
-    changes = relation_changes(step.predicted, step.observed)
-    against = [change for change in changes if change.counts]
-    within = [change for change in changes if not change.counts]
+    """Where what was seen afterwards contradicts what was predicted."""
+    html, against = "<h2>Predicted and observed relations</h2>", list[tuple[str, ...]]()
+    if step.predicted is not None and step.observed is not None:
+        changes = relation_changes(step.predicted, step.observed)
+        against = [change[:4] for change in changes if change.counts]
     if step.relations_as_predicted and not against:
-        count = len(list(step.observed.get("relations", ())))
-        html += f"<p>As predicted: none of the {count} pairs contradicts the prediction.</p>"
-    else:
-        html += wrong + _change_table(against)
-    if within:
-        note = "Another kind of contact, or a pair of which too little was seen to tell contact from a gap; "
-        note = f"<p class=note>{note}neither counts.</p>{_change_table(within)}"
-        html += folded(f"{counted(len(within), 'difference')} that noise explains", note)
-    return html
-
-
-def _change_table(changes: Sequence[Change]) -> str:
-    rows = [change[:4] for change in changes]
-    return plain_table(("A", "B", "predicted", "observed"), rows) if rows else ""
+        return f"{html}<p>As predicted.</p>"
+    wrong = plain_table(("A", "B", "predicted", "observed"), against) if against else ""
+    return f'{html}<p class="bad">Not as predicted.</p>{wrong}'

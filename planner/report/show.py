@@ -3,12 +3,12 @@
 from html import escape
 from typing import Any
 
+from topple.planner.decide.words import listed, order_in_words, sentences
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
-from topple.planner.report.html import view_page
+from topple.planner.report.html import folded, glance, view_page
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
-from topple.planner.report.words import listed, sentences
 from topple.topology.scene.scene import Scene
 
 
@@ -32,16 +32,16 @@ def show_page(
         None if order is None else document(order),
         Drawing.of(scene),
     )
-    left, right = "", photo(scene, drawing, planned)
+    head, beneath = _head(scene, planned, title), photo(scene, drawing, planned)
     if planned is not None:
-        left += dependency_section(scene, drawing, planned)
-        right += "<h2>Safe order</h2>" + order_list(planned, drawing.index)
-    right += (
-        "<h2>Relations</h2>" + relation_matrix(found, drawing.index) + relation_table(found, drawing.index)
-    )
+        words = "<h2>Safe order</h2>" + order_list(planned, drawing.index)
+        head += glance(beneath, words, dependency_section(scene, drawing, planned))
+        beneath = ""
+    right = beneath + "<h2>Relations</h2>" + relation_matrix(found, drawing.index)
+    right += folded("Every relation with its evidence", relation_table(found, drawing.index))
     right += sentence_list(_assumptions(scene, order, planned), "Assumptions")
-    view, head = view_data(drawing, found, planned), _head(scene, planned, title)
-    return view_page(title or "topple: what is where", head, view, (left, right))
+    view = view_data(drawing, found, planned)
+    return view_page(title or "topple: what is where", head, view, ("", right))
 
 
 def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
@@ -51,8 +51,7 @@ def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
 
 
 def _head(scene: Scene, order: Document | None, title: str) -> str:
-    points = sum(len(cloud) for cloud in scene.clouds.values())
-    facts = [f"{len(scene.names)} objects, {points:,} points"]
+    facts = [f"{len(scene.names)} objects"]
     if scene.fixed:
         facts.append(f"fixed: {listed(sorted(scene.fixed))}")
     if scene.up is None:
@@ -61,8 +60,19 @@ def _head(scene: Scene, order: Document | None, title: str) -> str:
         targets = [str(name) for name in order.get("targets", ())]
         some = targets and len(targets) < len(scene.movable)
         facts.append(f"to free: {listed(targets)}" if some else "to clear everything")
-    heading = title or f"Scene of {len(scene.names)} objects"
+    heading = _verdict(order) or title or f"Scene of {len(scene.names)} objects"
+    facts[:0] = [title] if title and heading != title else []
     return f'<header><h1>{escape(heading)}</h1><p class="lead">{escape("; ".join(facts))}.</p></header>'
+
+
+def _verdict(order: Document | None) -> str:
+    """What to do, in one line; empty where no order was asked for."""
+    if order is None:
+        return ""
+    if order.get("unresolved"):
+        return f"No safe order: {listed([str(name) for name in order['unresolved'][0]])} hold each other."
+    steps = order_in_words(order)
+    return f"Take {steps[0][0]} first: {steps[0][1]}" if steps else "There is nothing to take."
 
 
 def _assumptions(scene: Scene, order: Any, planned: Document | None) -> list[str]:

@@ -4,21 +4,21 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
 
-from topple.planner.report.drawing import Document, is_inferred
-from topple.planner.report.html import bullets, folded, table
-from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import RELATION_COLOURS, css, ink_on, relation_colour
-from topple.planner.report.words import (
+from topple.planner.decide.words import (
+    WORDS,
     counted,
-    holds_in_words,
-    how_sure,
     listed,
     millimetres,
-    order_in_words,
+    order_notes,
+    order_rows,
     said,
     sentences,
     shortened,
 )
+from topple.planner.report.drawing import Document, is_inferred
+from topple.planner.report.html import bullets, folded, table
+from topple.planner.report.limits import LIMITS
+from topple.planner.report.palette import RELATION_COLOURS, css, ink_on, relation_colour
 from topple.planner.verify.verification import Verification
 from topple.topology.sixim.table import Relation
 
@@ -116,12 +116,10 @@ def object_name(name: str, index: Mapping[str, int]) -> str:
 
 def order_list(order: Document, index: Mapping[str, int]) -> str:
     """The order with the reason for each place as HTML, and what its `topple.order` document says besides."""
-    risk: Mapping[str, float] = order.get("risk") or {}
-    words = {name: how_sure(risk.get(name) or 0.0) for name in order.get("order", ())}
     items = "".join(
         f'<li data-object="{index.get(name, -1)}" tabindex="0"><b class="name">{escape(name)}</b>: '
-        f"{escape(sentence)}{_aside('' if words[name] == 'sure' else words[name])}</li>"
-        for name, sentence in order_in_words(order)
+        f"{escape(sentence)}{_aside('' if sure == 'sure' else sure)}</li>"
+        for _, name, sentence, sure in order_rows(order)
     )
     html = f'<ol class="order">{items}</ol>' if items else '<p class="note">There is nothing to take.</p>'
     return html + _certificates(order, index)
@@ -134,8 +132,7 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
         some = [names] if isinstance(names, str) else names
         return listed([object_name(str(name), index) for name in some])
 
-    lines = [("", f"Held or taken together: {named(group)}.") for group in order.get("groups", ())]
-    lines += [("", f"With a second hand, {escape(words)}.") for words in holds_in_words(order)]
+    lines = [("", escape(words)) for words in order_notes(order)]
     for cycle in order.get("unresolved", ()):
         lines.append((" bad", f"No safe order among {named(cycle)}: each holds another."))
     html = "".join(f'<p class="certificate{kind}">{words}</p>' for kind, words in lines)
@@ -159,9 +156,8 @@ def _support(
 ) -> str:
     names = str(support["supporter"]), str(support["supported"])
     lower, upper = (object_name(name, index) for name in names)
-    kind = {"leans": "leans on", "contained": "lies in"}.get(str(support.get("kind")), "rests on")
-    if kind == "leans on":
-        kind = {"lying": "lies on", "contained": "lies in"}.get(lying.get(names, ""), kind)
+    kind = str(support.get("kind", "rests"))
+    kind = WORDS[lying.get(names, kind) if kind == "leans" else kind]
     evidence = "inferred" if support.get("inferred", False) else "observed"
     sure = f"{evidence}, confidence {float(support.get('confidence', 1.0)):.2f}"
     return f"{upper} {kind} {lower}{_aside(sure)}"

@@ -40,18 +40,19 @@ LIFTED = 0.004
 """How far in front of a surface something must be to darken it [m], a pixel of a lamp on a slope."""
 
 
-def photograph(world: PhysicalWorld, camera: Camera) -> Photo:
+def photograph(world: PhysicalWorld, camera: Camera, *, whole: bool = False) -> Photo:
     """Take a photo of what can be taken in a world.
 
     Args:
         world: The world.
         camera: Where from; its picture is framed anew.
+        whole: Whether all that the camera sees is shown, not what can be taken alone.
 
     Returns:
         The photo, `SIZE` large.
     """
     corners = _corners(world)
-    framed = _framed(camera, corners, FINE)
+    framed = _framed(camera, corners[:0] if whole else corners, FINE)
     depth, body, rgb = world.rendered(framed)
     coarse = (slice(FINE // 2, None, FINE), slice(FINE // 2, None, FINE))
     height, width = SIZE[1], SIZE[0]

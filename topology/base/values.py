@@ -1,6 +1,6 @@
-"""What frozen types are made of: mappings that cannot be written to and travel, and equality by value."""
+"""What frozen types are made of: read-only mappings that travel, equality by value, and columns of print."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 from enum import Enum
 from typing import Any, NoReturn, TypeVar
@@ -70,6 +70,12 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, (tuple, list)) and isinstance(b, (tuple, list)):
         return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
     return bool(a == b)
+
+
+def in_columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of texts as lines, each column as wide as its longest text."""
+    wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(map(str.ljust, row, wide)).rstrip() for row in rows]
 
 
 def free_name(name: str, taken: Collection[str]) -> str:

@@ -168,6 +168,13 @@ class Scene(ByValue):
         sizes = ", ".join(f"{name}: {len(points)}" for name, points in self.clouds.items())
         return f"Scene({{{sizes}}} points, fixed={self._fixed_in_order()}, up={self.up})"
 
+    def __str__(self) -> str:
+        """The objects, what never moves, and what was assumed, a line each."""
+        size, up = sum(map(len, self.clouds.values())), "not known" if self.up is None else self.up.round(2)
+        objects = f"{len(self.movable)} objects: {', '.join(self.movable)}"
+        about = f"fixed: {', '.join(sorted(self.fixed)) or 'nothing'}", f"{size:,} points; up is {up}"
+        return "\n".join([objects, *about, *(f"Assumed: {each}" for each in self.assumptions)])
+
     @classmethod
     @checked_arguments
     def from_images(

@@ -7,6 +7,7 @@ from math import inf
 from typing import Any
 
 from topple.topology.base.arrays import IntArray
+from topple.topology.base.rounded import rounded
 from topple.topology.base.values import ByValue
 from topple.topology.sixim.table import Relation, converse_matrix
 
@@ -78,6 +79,15 @@ class PairRelation(ByValue):
             counts=partial(_converse_counts, self),
             distance=partial(_same_gap, self),
         )
+
+    def cells(self) -> tuple[str, ...]:
+        """The pair as a row: both names with the relation between, the gap in mm, and if no camera saw it."""
+        gap = f"{'' if self.gap_exact else '> '}{rounded(1000 * float(self.gap), 1)} mm"
+        return self.a, str(self.relation), self.b, gap, "inferred" if self.inferred else ""
+
+    def __str__(self) -> str:
+        """One line: "fork partial within plate  0.3 mm"."""
+        return " ".join(self.cells()).rstrip()
 
     def to_json(self) -> dict[str, Any]:
         """The pair as one entry of the relations' JSON."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
-from topple.topology.base.values import same
+from topple.topology.base.values import in_columns, same
 from topple.topology.scene.scene import Scene
 from topple.topology.sixim.pair import PairRelation
 from topple.topology.sixim.table import Relation
@@ -225,6 +225,17 @@ class RelationTable:
         if i == j:
             raise InvalidInput(f"{a!r} has no relation to itself: give two different objects")
         return self._pair(i, j) if i < j else self._pair(j, i).converse
+
+    def __getitem__(self, names: tuple[str, str]) -> PairRelation:
+        """The pair of two objects, as `between` tells it: `relations["fork", "plate"]`."""
+        return self.between(*names)
+
+    def __str__(self) -> str:
+        """The pairs that meet, a line each, as `topple relate` prints them."""
+        told = [pair for pair in self.near.values() if pair.relation is not Relation.DISJOINT]
+        lines = in_columns([pair.cells() for pair in told])
+        head = f"{len(self.objects)} objects, deviation {1000 * self.deviation:.2f} mm"
+        return "\n".join([head, *lines, f"disjoint: {len(self) - len(told)} of {len(self)} pairs"])
 
     def of(self, name: str) -> Iterator[PairRelation]:
         """The pairs of one object that were looked at closely, each told from it.

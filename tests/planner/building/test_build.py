@@ -33,7 +33,7 @@ def test_a_counterweight_comes_after_its_plank_which_is_held_until_then() -> Non
     (hold,) = found.holds
     assert (hold.object, hold.since, hold.until) == ("plank", "plank", "weight")
     assert found.proven
-    assert "weight holds plank in place by its weight" in hold.because
+    assert "plank is balanced by weight" in hold.because
     assert hold.evidence
 
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+import runpy
 from itertools import combinations
 from pathlib import Path
 
@@ -288,5 +289,7 @@ def test_figures_that_pages_quote_are_those_of_the_tables() -> None:
     results = (root / "docs/results.md").read_text()
     counts = re.findall(r"nothing disturbed: demo [^|]*\| (\d+) \| (\d+) \|", results)
     tried, held = (sum(map(int, column)) for column in zip(*counts, strict=True))
-    for page in (results, (root / "README.md").read_text()):
-        assert f"{held} of {tried}" in page
+    readme = (root / "README.md").read_text()
+    assert all(f"{held} of {tried}" in page for page in (results, readme))
+    table = runpy.run_path(str(root / "docs/figures/table.py"))
+    assert readme.count(" % | `") == 6 and table["readme"](readme) == readme

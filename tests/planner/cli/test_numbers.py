@@ -1,10 +1,10 @@
 import pytest
 
 from topple.planner.cli.tables import print_order, print_relations
+from topple.planner.decide.words import millimetres
 from topple.planner.motion.collision import Contact
 from topple.planner.motion.planner import _says  # pyright: ignore[reportPrivateUsage]
-from topple.planner.report.words import millimetres
-from topple.planner.rounded import rounded
+from topple.topology.base.rounded import rounded
 
 
 @pytest.mark.parametrize(("value", "digits", "text"), [(-0.0, 0, "0"), (-0.4, 0, "0"), (-0.04, 1, "0.0"),
@@ -39,4 +39,4 @@ def test_the_table_of_supports_shows_the_kind_of_each_pair(capsys: pytest.Captur
     lines = capsys.readouterr().out.splitlines()
     assert "What carries what:" in lines
     row = next(line for line in lines if "bowl" in line)
-    assert row.split() == ["bowl", "lemon", "contained", "0.70", "inferred"]
+    assert row.split() == ["lemon", "is", "inside", "bowl", "0.70", "inferred"]

@@ -12,13 +12,13 @@ from topple.planner.decide.arrange import Order
 from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.goal import Goal
 from topple.planner.decide.hold import Hold
+from topple.planner.decide.words import order_in_words, places
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo import loop_in
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan
 from topple.planner.planning.step import Chooser, Context, NextStep, Task
 from topple.planner.planning.two_handed import plan_two_handed
-from topple.planner.report.words import order_in_words, places
 from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.scene import Scene

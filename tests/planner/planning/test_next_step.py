@@ -165,7 +165,7 @@ def test_an_order_of_what_is_not_there_is_refused_by_name() -> None:
 def test_an_orderers_first_that_waits_for_nobody_is_what_is_taken() -> None:
     step = chooser(APART, "free red", orderer=of_edges(("green", "red"), ("blue", "green"))).choose()
     assert taken(step) == ("blue", Action.REMOVE)
-    assert step is not None and step.reason == "it has to go before green (supported)"
+    assert step is not None and step.reason == "it has to go before green (rests on it)"
 
 
 @pytest.mark.slow

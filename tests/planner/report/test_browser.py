@@ -131,6 +131,7 @@ def test_a_click_keeps_an_object_lit_with_its_relations(open_page, stack):
     assert page.locator(".info b").inner_text() == "crate"
     assert "before" in page.locator(".info").inner_text() or "after" in page.locator(".info").inner_text()
     assert page.locator("tr.lit").count() > 0
+    page.locator("canvas").scroll_into_view_if_needed()
     at = page.evaluate(
         """(number) => { const v = window.panels[0].viewer, owner = v.owner, w = v.canvas.width;
         const own = [...owner.keys()].filter((k) => owner[k] === number), k = own[own.length >> 1];
@@ -198,6 +199,7 @@ def test_the_evidence_column_is_in_sight(open_page, photographed):
     for width in (1300, 400):
         page = open_page(show_page(*photographed))
         page.set_viewport_size({"width": width, "height": 900})
+        page.locator("details").evaluate_all("(all) => all.forEach((e) => { e.open = true; })")
         settle(page)
         edge = page.locator("td.evidence").first.bounding_box()
         assert edge["x"] + edge["width"] <= width

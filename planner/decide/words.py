@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from topple.planner.decide.hold import Hold
-from topple.planner.report.limits import LIMITS
-from topple.planner.rounded import rounded
+from topple.planner.decide.tolerances import GUESS, LABEL, SURELY
+from topple.topology.base.rounded import rounded
 
 Document = Mapping[str, Any]
 
@@ -22,15 +22,16 @@ CHECK_HEADINGS = ("object", "verdict", "carried by", "centre mm", "tilt °", "pu
 
 MARGINS = ("centre_mm", "tilt_degrees", "push_newton")
 
-_BECAUSE = {
-    "supported": ("rests on {it}", "rest on {it}"),
-    "leaning": ("leans on {it}", "lean on {it}"),
-    "lying": ("lies on {it}", "lie on {it}"),
-    "contained": ("lies in {it}", "lie in {it}"),
-    "blocking": ("would be lifted or dragged along with {it}", "would be lifted or dragged along with {it}"),
-    "counterweight": ("tips without {it}", "tip without {it}"),
+WORDS = {
+    "supported": "rests on",
+    "leaning": "leans on",
+    "contained": "is inside",
+    "blocking": "blocks",
+    "counterweight": "is balanced by",
+    "rests": "rests on",  # and of a support
+    "leans": "leans on",
 }
-"""What an object that goes before has to do with the one that goes after: said of one, said of several."""
+"""How an object that goes before lies to the one that goes after, in sentences, pictures and JSON alike."""
 
 
 def because(first: Sequence[str], reason: str, then: str = "it") -> str:
@@ -41,18 +42,21 @@ def because(first: Sequence[str], reason: str, then: str = "it") -> str:
         reason: Reason of these dependencies; an unknown one is quoted as it is.
         then: What goes after them, in the clause.
     """
-    one, several = _BECAUSE.get(reason, ("goes before {it}, " + reason, "go before {it}, " + reason))
-    return f"{listed(first)} {one if len(first) == 1 else several}".replace("{it}", then)
+    verb, _, rest = WORDS.get(reason, "goes before").partition(" ")
+    if len(first) > 1:
+        verb = {"is": "are", "goes": "go"}.get(verb, verb.removesuffix("s"))
+    quoted = "" if reason in WORDS else f", {reason}"
+    return " ".join(filter(None, (listed(first), verb, rest, then))) + quoted
 
 
 def how_sure(risk: float) -> str:
     """How sure it is that a step moves nothing else, as a word: risks are not good enough for figures."""
-    return "sure" if risk < LIMITS.sure else "likely" if risk < LIMITS.guess else "guess"
+    return "sure" if risk < SURELY else "likely" if risk < GUESS else "guess"
 
 
 def said(dependency: Mapping[str, Any]) -> str:
-    """The reason of a dependency as a person would say it: what leans on a plate may be said to lie on it."""
-    lies = {"on": "lying", "in": "contained"}
+    """The reason of a dependency as a person says it: what leans on a plate may be said to rest on it."""
+    lies = {"on": "supported", "in": "contained"}
     return lies.get(str(dependency.get("lies")), str(dependency["reason"]))
 
 
@@ -68,6 +72,36 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
         why = why or (explained[place] if len(explained) == len(names) else "") or UNTIED
         told.append((name, f"{why}."))
     return told
+
+
+def order_heading(order: Document, movable: int | None = None) -> str:
+    """What a `topple.order` document frees or builds, and how many objects it takes for that."""
+    if order.get("build"):
+        return f"to build it, put {len(order['order'])} objects down in this order"
+    purpose = f"to free {listed(order['targets'])}" if order["targets"] else "to clear everything"
+    count = len(dict.fromkeys(order["order"]))
+    return (
+        f"{purpose}, take {count}{'' if movable is None else f' of {movable} movable'} objects in this order"
+    )
+
+
+def order_rows(order: Document) -> list[tuple[str, ...]]:
+    """A row for each step of a `topple.order` document: number, object, why, and how sure it is."""
+    told, risk = order_in_words(order), order.get("risk") or {}
+    if order.get("build"):
+        told = [*zip(order["order"], (x.partition(": ")[2] for x in order["explanation"]), strict=True)]
+    return [(str(i), name, why, how_sure(risk.get(name) or 0.0)) for i, (name, why) in enumerate(told, 1)]
+
+
+def order_notes(order: Document) -> list[str]:
+    """What has to be held, or taken together, to carry an order out, a sentence each."""
+    lines = [
+        f"{listed(x)} hold each other: take them together, or hold the others."
+        for x in order.get("groups", ())
+    ]
+    for hold, words in zip(order.get("holds", ()), holds_in_words(order), strict=True):
+        lines.append(f"With {'the fixture' if hold.get('fixture') else 'a second hand'}, {words}.")
+    return lines
 
 
 def places(order: Document) -> dict[str, int]:
@@ -133,9 +167,9 @@ def sentence(text: str) -> str:
 
 
 def shortened(name: str) -> str:
-    """A name cut to `LIMITS.label` characters, on one line."""
+    """A name cut to `LABEL` characters, on one line."""
     line = " ".join(name.split()) or name.strip() or "(blank)"
-    return line if len(line) <= LIMITS.label else line[: LIMITS.label - 1] + "…"
+    return line if len(line) <= LABEL else line[: LABEL - 1] + "…"
 
 
 def listed(words: Sequence[str]) -> str:
