@@ -16,7 +16,8 @@ import pytest
 from topple.planner.cli.main import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+FRAME = ROOT / "docs" / "sam.md"  # the page that writes frame.npz, which others take up
+PAGES = (ROOT / "README.md", FRAME, *sorted({*(ROOT / "docs").glob("*.md")} - {FRAME}))
 README = PAGES[0].read_text(encoding="utf-8")
 COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
 MOST_WORDS = 600  # one screen
@@ -74,7 +75,7 @@ def test_the_readme_works_line_by_line_in_a_bare_shell(tmp_path: Path) -> None:
         for language, text in blocks
         if language != "text"
     ]
-    assert typed[0].startswith("make demo ") and len(typed) > 3
+    assert typed[0].startswith("make demo ") and len(typed) > 1
     path = os.pathsep.join(each for each in os.environ["PATH"].split(os.pathsep) if ".venv" not in each)
     if "TOPPLE_BIN" in os.environ:
         typed[0] = typed[0].replace("make demo", "topple demo").replace("source .venv/bin/activate", "true")
