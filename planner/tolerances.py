@@ -21,3 +21,6 @@ STEPS_ROUND = 72
 
 ALL_PAIRS_UP_TO = 200
 """Objects of which `topple relate` lists every pair: 19,900 pairs, 6 MB of JSON."""
+
+MOST_ANSWER = 4_000_000
+"""Bytes of an answer to a language model: more than it can read, and the plan of a dozen steps."""

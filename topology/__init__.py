@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from topple.topology.io.mjcf import scene_from_mujoco
     from topple.topology.io.objects import scene_from_objects, scene_from_points
     from topple.topology.io.rgbd import scene_from_rgbd
+    from topple.topology.io.sam import scene_from_sam
     from topple.topology.merging.merge import MergedViews, merge_views
     from topple.topology.relations.relate import Relations, relate, relate_all
     from topple.topology.scene.mesh import Mesh
@@ -55,6 +56,7 @@ __all__ = [
     "scene_from_objects",
     "scene_from_points",
     "scene_from_rgbd",
+    "scene_from_sam",
     "thinned",
     "with_models",
 ]
@@ -73,6 +75,7 @@ __getattr__, __dir__ = lazy_names(
         "io.mjcf": "scene_from_mujoco",
         "io.objects": "scene_from_objects scene_from_points",
         "io.rgbd": "scene_from_rgbd",
+        "io.sam": "scene_from_sam",
         "merging.merge": "MergedViews merge_views",
         "io.known_models": "with_models",
         "sixim.pair": "PairRelation",

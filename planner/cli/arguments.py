@@ -70,6 +70,10 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "TOPIC",
         "help": "topic of a recording's depth images, or clouds with labels (the only one)",
     },
+    "--masks": {
+        "metavar": "FILE",
+        "help": "masks of an RGB-D frame without any, as SAM gives them: .json of run lengths, .npy, .npz",
+    },
     "--info": {"metavar": "TOPIC", "help": "topic of its camera's intrinsics (the only one)"},
     "--labels": {"metavar": "TOPIC", "help": "topic of its masks (the only one)"},
     # many scenes
@@ -201,7 +205,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
 GROUPS = {
     "scene": (
         *("--fixed", "--up", "--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels"),
-        *("--masks-as-they-are",),
+        *("--masks", "--masks-as-they-are"),
     ),
     "question": ("--target", "--goal", "--to", "--match", "--away", "--bin", "--rule", "--orderer"),
     "robot": (
@@ -213,7 +217,7 @@ GROUPS = {
 """Under which heading the help of a command has an option; others are the command's own."""
 
 COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
-FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels")
+FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels", "--masks")
 GRIPPER = ("--gripper", "--srdf", "--group")
 SEEN_ROBOT = (*GRIPPER, "--base", "--joints")
 SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video")

@@ -37,6 +37,7 @@ COMMANDS = {
     "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
     "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene, ROS 2",
+    "mcp": "serve these tools to a language model over stdin and stdout (Model Context Protocol)",
     "view": "serve a scene as a live page with sliders for its deviation and its steps",
     "show": "draw a scene with its relations and its order",
 }
@@ -57,6 +58,7 @@ EXAMPLES = {
     "demo": ("demo --list", "demo pile --cameras 1 --wrist-camera"),
     "bench": ("bench relate --quick", "bench check --markdown"),
     "export": ("export plan.json --to pddl", "export plan.json --to bt -o tree.xml"),
+    "mcp": ("mcp --root scenes", "mcp --root scenes --fixed table --max-mb 50"),
     "view": ("view frame.npz", "view frame.npz --plan plan.json"),
     "show": ("show frame.npz -o page.html", "show frame.npz --target plate -o picture.png"),
 }

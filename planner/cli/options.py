@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from topple.topology.scene.scene import Scene
 
 _SCENE_SUFFIXES = (".npz", ".npy")
-_OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "labels", "view")  # of one format each
+_OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "labels", "view", "masks")  # of one each
 _LISTS = ("fixed", "target", "clamped")  # options that take one name after the other
 
 
@@ -223,12 +223,22 @@ def read_plan(path: str) -> "Plan":
     Raises:
         InvalidInput: There is no plan, or it is larger than a file may be.
     """
-    from topple.planner.planning.plan_format import Plan, plan_from_json
-    from topple.topology.io.limits import check_size
+    from topple.planner.planning.plan_format import plan_from_json
+
+    return plan_from_json(*document_at(path))
+
+
+def document_at(path: str) -> tuple[bytes, str]:
+    """The bytes of a document and what it is called: a file, or stdin where the path is "-".
+
+    Raises:
+        InvalidInput: It cannot be read, or is larger than a file may be.
+    """
+    from topple.topology.io.limits import check_size, read_given
     from topple.topology.io.tolerances import MOST_BYTES
 
-    if path != "-":
-        return Plan.load(path)
-    data = sys.stdin.buffer.read(MOST_BYTES + 1)
-    check_size(len(data), "stdin")
-    return plan_from_json(data, "stdin")
+    if path == "-":
+        data = sys.stdin.buffer.read(MOST_BYTES + 1)
+        check_size(len(data), "stdin")
+        return data, "stdin"
+    return read_given(Path(path), path), path

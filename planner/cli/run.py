@@ -1,6 +1,7 @@
 """`topple run`: a scene rebuilt in PyBullet, and an arm that does in it what the goal says."""
 
 import argparse
+from pathlib import Path
 
 from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task
 from topple.planner.cli.console import complain, print_json, print_text
@@ -24,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="keep no names between looks: match what is seen with what is remembered",
     )
+    parser.add_argument("--lerobot", metavar="DIR", type=Path, help="add it to a dataset of LeRobot v3 there")
     parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
 
 
@@ -32,6 +34,10 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place, video = output_of(args, "report"), film_of(args)
+    if (taught := args.lerobot) is not None:
+        from topple.robots.world.lerobot import check_dataset
+
+        check_dataset(taught)
     orderer, relating, away = orderer_of(args), rule_of(args), away_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")
@@ -45,7 +51,7 @@ def execute(args: argparse.Namespace) -> int:
             second_base=base_of(args, scene, "--second-base"), clamped=args.clamped,
             away=away, cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
-            ahead=args.ahead, engine=args.engine, video=video, photos=place is not None,
+            ahead=args.ahead, engine=args.engine, video=video, lerobot=taught, photos=place is not None,
             orderer=orderer or cautious, relate=relating,
             seed=args.seed, progress=progress,
         )  # fmt: skip
@@ -59,7 +65,7 @@ def execute(args: argparse.Namespace) -> int:
     else:
         print_run(path, document)
         print_text(*(f"Note: {note.rstrip('.')}." for note in record.notes))
-        for written in filter(None, (place, video)):
+        for written in filter(None, (place, video, taught)):
             print_text(f"Written: {written}")
     complain(*(f"{path}: {violation}" for violation in record.violations))
     return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN

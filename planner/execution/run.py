@@ -20,6 +20,7 @@ from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.poses import inverse
 from topple.robots.world.film import filmed
+from topple.robots.world.lerobot import demonstrated
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import as_pose
@@ -45,6 +46,7 @@ def run(
     ahead: bool = False,
     engine: str = DEFAULT_ENGINE,
     video: Path | None = None,
+    lerobot: Path | None = None,
     photos: bool = False,
     grasps: OwnGrasps | None = None,
     orderer: Orderer = cautious,
@@ -71,6 +73,7 @@ def run(
             spawned, so the program has to be safe to import.
         engine: What plays it, one of `topple.robots.engines.ENGINES`.
         video: Where a film of it is written, an MP4 file.
+        lerobot: A dataset of LeRobot v3 that the run is added to as an episode, or a folder for a new one.
         photos: Whether photos for people are taken at every look, for `run_page`: a second each.
         grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
             object until the arm has tried to take it: where it is then has to be seen, and grasps for it
@@ -122,8 +125,11 @@ def run(
             fixture=stage.fixture,
             away=receiver and receiver.moved(to_world),
         )
-        with filmed(video, acting, stage.cameras[0]):
+        eye = stage.cameras[0]
+        with filmed(video, acting, eye), demonstrated(lerobot, acting, eye) as demonstration:
             record = loop.run()
+            if demonstration is not None:
+                demonstration.end(record.goal, record.success)
         kept = (*fixture_assumptions(fixture), *([] if receiver is None else [receiver.assumption()]))
         said = (*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
         record = replace(record, notes=said)

@@ -30,7 +30,7 @@ def domain_and_problem(plan: Plan) -> tuple[str, str]:
     Returns:
         Text of the domain and of the problem.
     """
-    symbols = _symbols([step.object for step in plan.steps])
+    symbols = symbols_of([step.object for step in plan.steps])
     before: dict[str, list[str]] = {name: [] for name in symbols}
     for step in plan.steps:
         for index in step.after:
@@ -80,7 +80,7 @@ def _actions(symbol: str, before: list[str]) -> str:
     )
 
 
-def _symbols(names: list[str]) -> dict[str, str]:
+def symbols_of(names: list[str]) -> dict[str, str]:
     """PDDL symbols for object names: letters, digits and dashes, no two alike."""
     found: dict[str, str] = {}
     for name in dict.fromkeys(names):

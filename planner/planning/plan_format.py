@@ -21,7 +21,7 @@ from topple.topology.base.checks import as_pose
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.files import write_whole
 from topple.topology.base.tolerances import FARTHEST, RIGID
-from topple.topology.io.limits import read_bytes
+from topple.topology.io.limits import read_given
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.io.strict_json import read_json
 
@@ -75,10 +75,7 @@ class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data s
         Raises:
             InvalidInput: It cannot be read, or is no plan.
         """
-        try:
-            return plan_from_json(read_bytes(Path(path), str(path)), str(path))
-        except OSError as error:
-            raise InvalidInput(f"{path}: cannot be read, {error.strerror}") from error
+        return plan_from_json(read_given(Path(path), str(path)), str(path))
 
 
 def plan_to_json(plan: Plan) -> bytes:

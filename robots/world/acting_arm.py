@@ -10,10 +10,10 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.driver import Motion
+from topple.robots.driver.control import Control
 from topple.robots.poses import inverse
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.compliance import Compliance
-from topple.robots.world.control import Control
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.touch import Touch
 from topple.robots.world.vacuum import Vacuum
@@ -41,7 +41,7 @@ class ActingArm(ABC):
     ) -> None:
         self.arm, self.control = arm, Control()
         self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
-        self.q_target = rounded(np.array(arm.home if q is None else q, dtype=float))
+        self.q_target = self._sent = rounded(np.array(arm.home if q is None else q, dtype=float))
         self.jaw, self.cup = arm.jaw, arm.cup
         self._opening, self._extension = arm.open_hand.opening, arm.open_hand.cup_extension
         self._grip_force = self.jaw.force if self.jaw else 0.0
@@ -68,6 +68,11 @@ class ActingArm(ABC):
     def q(self) -> FloatArray:
         """(n,) measured joint values in [rad]."""
         return self.joint_positions(self.arm.joints)
+
+    @property
+    def joint_targets(self) -> FloatArray:
+        """(k,) what the arm's joints, then its hand's, are told to be, in [rad] or [m]."""
+        return np.array([*self._sent, *self._hand_values().values()])
 
     @abstractmethod
     def joint_positions(self, names: Sequence[str]) -> FloatArray:
@@ -152,7 +157,7 @@ class ActingArm(ABC):
     def step(self, count: int = 1) -> None:
         """Holds the present targets for `count` steps of the world, watching contacts and the vacuum."""
         for _ in range(count):
-            self._drive(rounded(self.q_target), np.zeros_like(self.q_target))
+            self._send(self.q_target, np.zeros_like(self.q_target))
             self._advance()
 
     def wait(self, seconds: float) -> None:
@@ -210,7 +215,7 @@ class ActingArm(ABC):
         ):
             q += short if keep_offset else (1.0 - t / times[-1]) * short
             v -= 0.0 if keep_offset else short / times[-1]
-            self._drive(rounded(q), rounded(v))
+            self._send(q, v)
             self._advance()
             if force < math.inf and self.wrist.force() > force:
                 self.q_target = q
@@ -327,6 +332,10 @@ class ActingArm(ABC):
                 moving, before = (moving + 1 if still else 0), now
                 if moving >= 3:
                     return
+
+    def _send(self, q: FloatArray, v: FloatArray) -> None:
+        self._sent = rounded(q)
+        self._drive(self._sent, rounded(v))
 
     @abstractmethod
     def _drive(self, q: FloatArray, v: FloatArray) -> None:

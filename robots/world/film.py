@@ -1,6 +1,7 @@
 """A film of an arm at work, as a camera in its world sees it."""
 
 import os
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from pathlib import Path
@@ -13,6 +14,7 @@ from topple.topology.base.errors import InvalidInput, NotInstalled
 
 RATE = 12  # pictures a second of simulated time: motion is smooth, and drawing stays a small part of a run
 SIZE = (480, 360)  # [pixels]
+Each = Callable[[Any], None]
 
 
 class Film:
@@ -22,17 +24,17 @@ class Film:
         path: Where the film goes: MP4 with H.264.
         robot: The arm.
         camera: Where from; only its place and direction count.
-        rate: Pictures a second of simulated time, which is how fast the film plays.
+        each: Called with each picture (H, W, 3) as it is taken, if given.
 
     Raises:
         InvalidInput: The encoder is not installed, or the path's folder is not there.
     """
 
-    def __init__(self, path: Path, robot: ActingArm, camera: Camera, rate: int = RATE) -> None:
+    def __init__(self, path: Path, robot: ActingArm, camera: Camera, each: Each | None = None) -> None:
         encoder()
         if not path.resolve().parent.is_dir():
             raise InvalidInput(f"{path}: cannot be written, its folder does not exist; make it first")
-        self._path, self._robot, self._rate = path, robot, rate
+        self._path, self._robot, self._each = path, robot, each
         self._part = path.with_name(f"{path.name}.part")
         target = camera.pose_camera_to_world[:3, 3]
         eye = target - BACK * camera.pose_camera_to_world[:3, 2]
@@ -47,7 +49,7 @@ class Film:
     def __enter__(self) -> "Film":
         """Begin to film."""
         self._file: Any = encoder().open(str(self._part), mode="w", format="mp4")
-        self._stream: Any = self._file.add_stream("libx264", rate=Fraction(self._rate))
+        self._stream: Any = self._file.add_stream("libx264", rate=Fraction(RATE))
         self._stream.width, self._stream.height = SIZE
         self._stream.pix_fmt = "yuv420p"
         self._next = self._robot.world.time
@@ -65,8 +67,10 @@ class Film:
     def _on_step(self) -> None:
         if self._robot.world.time < self._next - 1e-9:
             return
-        self._next += 1.0 / self._rate
+        self._next += 1.0 / RATE
         picture = self._camera.picture(self._robot.world)
+        if self._each is not None:
+            self._each(picture)
         self._write(encoder().VideoFrame.from_ndarray(picture, format="rgb24"))
 
     def _write(self, frame: Any) -> None:

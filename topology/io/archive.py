@@ -39,11 +39,12 @@ _EXPECTED = (
 )
 
 
-def read_arrays(path: Path) -> dict[str, Array]:
+def read_arrays(path: Path, plain: str = "") -> dict[str, Array]:
     """Read the named arrays of a file, whatever its name ends in.
 
     Args:
         path: An `.npz`, or an `.npy` that holds one record with named fields.
+        plain: What an array without fields is called, where an `.npy` may hold one.
 
     Returns:
         The arrays by name.
@@ -58,7 +59,7 @@ def read_arrays(path: Path) -> dict[str, Array]:
         if start.startswith(_ZIP):
             return _read_npz(file)
         if start.startswith(_NPY):
-            return _read_npy(file)
+            return _read_npy(file, plain)
     if not start:
         raise InvalidInput(f"the file is empty: expected {_EXPECTED}")
     what = next((text for magic, text in _KNOWN.items() if start.startswith(magic)), "of no known format")
@@ -157,7 +158,7 @@ def _check_header(file: IO[bytes], size: int, what: str, held: int = 0) -> None:
         raise InvalidInput(f"{what} is broken (it declares {declared} bytes and has {size}): write it again")
 
 
-def _read_npy(file: BinaryIO) -> dict[str, Array]:
+def _read_npy(file: BinaryIO, plain: str) -> dict[str, Array]:
     try:
         _check_header(file, os.fstat(file.fileno()).st_size, "the .npy file")
         file.seek(0)
@@ -166,6 +167,8 @@ def _read_npy(file: BinaryIO) -> dict[str, Array]:
         raise
     except Exception as error:  # numpy fails on altered bytes in many ways
         raise InvalidInput(_refusal(error, "the .npy file")) from error
+    if array.dtype.names is None and plain:
+        return {plain: array}
     if array.dtype.names is None:
         raise InvalidInput(
             f"the .npy file holds one array {array.shape}: expected a record with the fields depth, K and "

@@ -21,11 +21,11 @@ from topple.topology.io.tolerances import (
     TABLE_MARGIN,
     TABLE_REACH,
     TABLE_SPACING,
-    UNDER_SHARE,
 )
 from topple.topology.scene.background import hanging_together, table_among
 from topple.topology.scene.mesh import Mesh
 from topple.topology.scene.scene import Scene
+from topple.topology.scene.tolerances import OVER
 from topple.topology.views.image import DepthImage, said_of_images
 
 
@@ -167,7 +167,7 @@ def _is_table(name: str, clouds: dict[str, FloatArray], plane: FloatArray) -> bo
     if float((upper - lower).min()) < NARROWEST_TABLE:
         return False
     flat = np.array(middles) @ along
-    return float(within_corners(flat, lower, upper).mean()) >= UNDER_SHARE
+    return float(within_corners(flat, lower, upper).mean()) >= OVER
 
 
 def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:

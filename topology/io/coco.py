@@ -90,7 +90,7 @@ def mask_of(segmentation: Any, shape: tuple[int, ...], what: str = "the mask") -
 
     Args:
         segmentation: A list of polygons [x1, y1, x2, y2, ...], or {"size": [H, W], "counts": lengths, or
-            text or bytes of compressed ones}.
+            text or bytes of compressed ones}; or an array (H, W).
         shape: (H, W) of the image.
         what: What it is, for messages.
 
@@ -101,6 +101,10 @@ def mask_of(segmentation: Any, shape: tuple[int, ...], what: str = "the mask") -
         InvalidInput: It is none of these, or of another size.
     """
     height, width = shape
+    if isinstance(segmentation, np.ndarray):
+        if segmentation.shape != shape:
+            raise InvalidInput(f"{what} is {segmentation.shape}: expected the image's size, {shape}")
+        return segmentation.astype(np.bool_)
     if isinstance(segmentation, Mapping):
         size, counts = segmentation.get("size"), segmentation.get("counts")
         if size is None or counts is None or _whole(size, f"{what}: size") != [height, width]:

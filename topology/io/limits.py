@@ -13,6 +13,7 @@ from topple.topology.io.tolerances import MOST_BYTES
 
 _most: ContextVar[int] = ContextVar("_most", default=MOST_BYTES)
 _root: ContextVar[Path | None] = ContextVar("_root", default=None)
+_outermost: ContextVar[Path | None] = ContextVar("_outermost", default=None)
 
 
 @contextmanager
@@ -32,32 +33,48 @@ def allowing(size: int | None, root: Path | None) -> Generator[None, None, None]
 
 
 @contextmanager
+def confined(root: Path) -> Generator[None, None, None]:
+    """Say in a block that nothing outside a folder is read, whatever a format or a caller allows besides."""
+    before = _outermost.set(root)
+    try:
+        yield
+    finally:
+        _outermost.reset(before)
+
+
+@contextmanager
 def allowing_below(folder: Path) -> Generator[None, None, None]:
     """Say that files may lie in another folder, which a format names, where they may not lie anywhere."""
     with allowing(None, None if _root.get() is None else folder):
         yield
 
 
-def check_place(path: Path, what: str) -> None:
+def check_place(path: Path, what: str) -> Path:
     """Refuse what lies elsewhere than it may, by `..`, an absolute path or a link.
 
     Args:
         path: The file.
         what: What it is, for the message.
 
+    Returns:
+        Where it lies, links followed.
+
     Raises:
         InvalidInput: It does.
     """
-    root = _root.get()
+    root, outermost = _root.get(), _outermost.get()
     try:
         place = Path(os.path.realpath(path))
     except ValueError as error:
         raise InvalidInput(f"{what} is called {str(path)!r}, which no file can be: {error}") from error
+    if outermost is not None and not place.is_relative_to(os.path.realpath(outermost)):
+        raise InvalidInput(f"{what} is not below the root: expected a path in the folder that is served")
     if root is not None and not place.is_relative_to(os.path.realpath(root)):
         raise InvalidInput(
             f"{what} is not below the folder: copy it there, or allow it with --allow-outside "
             "(load_scene(..., allow_outside=True))"
         )
+    return place
 
 
 @contextmanager
@@ -104,6 +121,14 @@ def read_bytes(path: Path, what: str) -> bytes:
         size = os.fstat(file.fileno()).st_size
         check_size(size, what)
         return file.read(size)
+
+
+def read_given(path: Path, what: str) -> bytes:
+    """Read a whole file that somebody named; as `read_bytes`, but InvalidInput where it cannot be read."""
+    try:
+        return read_bytes(path, what)
+    except OSError as error:
+        raise InvalidInput(f"{what}: cannot be read, {error.strerror or error}") from error
 
 
 def read_text(path: Path, what: str) -> str:

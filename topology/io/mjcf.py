@@ -46,11 +46,21 @@ def read(path: Path, keyframe: str | int | None = None) -> Parts:
         NotInstalled: MuJoCo is not there.
         OSError: A file cannot be read.
     """
+    return parts_from_mjcf(read_text(path, path.name), path.parent, keyframe)
+
+
+def parts_from_mjcf(text: str, folder: Path, keyframe: str | int | None = None) -> Parts:
+    """Take a scene from the text of an MJCF file; see `read`.
+
+    Args:
+        text: The MJCF.
+        folder: What it includes and the meshes it names lie below.
+        keyframe: Name or number of the keyframe; the initial pose where None.
+    """
     mujoco = _engine()
     files: dict[str, bytes] = {}
-    text = read_text(path, path.name)
-    with allowing_below(path.parent):
-        _collect(text, path.parent, files, {})
+    with allowing_below(folder):
+        _collect(text, folder, files, {})
     try:
         model = mujoco.MjModel.from_xml_string(text, files)
     except (ValueError, TypeError) as error:
@@ -133,6 +143,8 @@ def _collect(text: str, folder: Path, files: dict[str, bytes], directories: dict
                 raise InvalidInput(f"it names two files called {place.name!r}: expected names of their own")
             if element.tag == "include":
                 _collect(found.decode("utf-8", "replace"), folder, files, directories)
+            elif element.tag == "model" and place.suffix.lower() == ".xml":  # another model, attached
+                _collect(found.decode("utf-8", "replace"), folder, files, {})
 
 
 def _keyframe(mujoco: Any, model: Any, wanted: str | int) -> int:

@@ -85,7 +85,7 @@ def image_from_rgbd(arrays: Mapping[str, Array]) -> tuple[DepthImage, dict[int, 
     pose = arrays.get("pose_camera_to_world", np.eye(4))
     label, notes = arrays[mask], list[str]()
     if mask == STACK_KEY:
-        stack = _stacked(label)
+        stack = as_stack(label)
         if len(arrays.get("names", ())) == len(stack) and "ids" not in arrays:
             ids: Array = np.arange(1, len(stack) + 1)
             arrays = {**arrays, "ids": ids}
@@ -96,8 +96,8 @@ def image_from_rgbd(arrays: Mapping[str, Array]) -> tuple[DepthImage, dict[int, 
     return image, names, mask, notes
 
 
-def _stacked(masks: Array) -> Array:
-    """The stack (N, H, W) of true and false in an array; (N, 1, H, W) and 0 and 255 are taken as well.
+def as_stack(masks: Array) -> Array:
+    """A stack (N, H, W) of true and false in an array; (N, 1, H, W) and 0 and 255 are taken as well.
 
     Raises:
         InvalidInput: If it is no such stack.

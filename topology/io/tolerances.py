@@ -23,9 +23,6 @@ ON_PLANE_SHARE = 0.8
 NARROWEST_TABLE = 0.4
 """Narrowest table [m]: plates, trays and books lie as flat, and are narrower."""
 
-UNDER_SHARE = 0.8
-"""Share of the other objects that stand over the table; one or two may be seen past its edge."""
-
 
 # -- bag
 

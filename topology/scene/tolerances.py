@@ -15,7 +15,7 @@ STANDS = 0.03
 """Distance [m] from a plane to which what stands on it is seen to reach: noise and a mask's margin."""
 
 OVER = 0.8
-"""Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
+"""Share of the objects that must lie over a table or its plane; one or two may stand past its edge."""
 
 TABLE_CELL = 0.05
 """Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import trimesh
+from run_lengths import lengths
 
 from topple.planner.planning.order import order
 from topple.topology import Scene, scene_from_coco, scene_from_objects, scene_from_points
@@ -183,12 +184,6 @@ def boxes() -> tuple[np.ndarray, dict[str, np.ndarray]]:
         masks[name][part] = True
         depth[part] = 0.95
     return depth, masks
-
-
-def lengths(mask: np.ndarray) -> list[int]:
-    flat = mask.T.ravel()
-    changes = np.flatnonzero(np.diff(np.concatenate([[False], flat]).astype(int)))
-    return np.diff([0, *changes, mask.size]).tolist()
 
 
 def test_run_lengths_and_polygons_are_the_masks_they_stand_for() -> None:

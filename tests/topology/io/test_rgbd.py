@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from run_lengths import lengths
 
 from topple.topology import DepthImage, Scene, scene_from_coco, scene_from_rgbd
 from topple.topology.base.errors import InvalidInput
@@ -142,7 +143,7 @@ def test_an_object_that_depth_hardly_shows_is_refused_by_every_reader_alike(
     words = f"'7' has 144 pixels in its mask and depth of its own in {seen or 'none'} of them, too few for a"
     stack = np.stack([label == number for number in (1, 2, 7)])
     runs = [
-        {"segmentation": {"size": [60, 80], "counts": _runs(mask)}, "name": n}
+        {"segmentation": {"size": [60, 80], "counts": lengths(mask)}, "name": n}
         for mask, n in zip(stack, "127", strict=True)
     ]
     for read in (
@@ -153,12 +154,6 @@ def test_an_object_that_depth_hardly_shows_is_refused_by_every_reader_alike(
     ):
         with pytest.raises(InvalidInput, match=words):
             read()
-
-
-def _runs(mask: np.ndarray) -> list[int]:
-    flat = np.concatenate([[False], mask.T.ravel(), [False]])
-    ends = np.flatnonzero(np.diff(flat))
-    return np.diff([0, *ends, mask.size]).tolist()
 
 
 def test_masks_are_taken_in_memory_as_in_a_file(tmp_path: Path) -> None:
