@@ -13,6 +13,7 @@ from topple.planner.report.html import table, view_page
 from topple.planner.report.palette import Colour, css
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import object_name, sentence_list
+from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.scene import Scene
 
@@ -30,6 +31,7 @@ KEYS = {
 }
 
 
+@checked_arguments
 def check_page(scene: Scene, found: Document, title: str) -> str:
     """Draw a check as one self-contained page: the verdict first.
 

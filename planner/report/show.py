@@ -9,9 +9,11 @@ from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import folded, glance, view_page
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
+from topple.topology.base.arguments import checked_arguments
 from topple.topology.scene.scene import Scene
 
 
+@checked_arguments
 def show_page(
     scene: Scene,
     relations: Documented | Document,
@@ -27,11 +29,8 @@ def show_page(
         order: What `order` found, or the JSON document of that; None shows the relations alone.
         title: Title of the page; the number of objects where none is given.
     """
-    found, planned, drawing = (
-        document(relations),
-        None if order is None else document(order),
-        Drawing.of(scene),
-    )
+    found, drawing = document(relations), Drawing.of(scene)
+    planned = None if order is None else document(order)
     head, beneath = _head(scene, planned, title), photo(scene, drawing, planned)
     if planned is not None:
         words = "<h2>Safe order</h2>" + order_list(planned, drawing.index)
