@@ -272,10 +272,10 @@ def _svg(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[str, i
         for edge, (x, y) in graph.labels.items()
     ]
     parts += [_box(graph, name, colours.get(name, FIXED_COLOUR), index) for name in graph.boxes]
-    size = f"{graph.width:.0f}", f"{graph.height:.0f}"
+    width, height = f"{graph.width:.0f}", f"{graph.height:.0f}"
     return (
-        '<svg class="graph" role="img" aria-label="dependency graph" '
-        f'width="{size[0]}" height="{size[1]}" viewBox="0 0 {size[0]} {size[1]}">{"".join(parts)}</svg>'
+        f'<svg class="graph" role="img" aria-label="dependency graph" style="--width: {width}px" '
+        f'width="{width}" height="{height}" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
     )
 
 
