@@ -18,7 +18,7 @@ from topple.benchmarks.markdown import markdown_table
 from topple.planner.execution.examine import Examined, examine
 from topple.planner.planning.plan import plan
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper_file import ArmPart, Cup, Gripper, Hand
+from topple.robots.arm.gripper_file import ArmPart, Cup, GripperFile, Hand
 from topple.robots.catalog import robot
 from topple.topology.base.errors import InvalidInput, NotInstalled, ToppleError
 
@@ -57,7 +57,7 @@ class Shipped:
     package: str
     urdf: str
     hand: str
-    gripper: Gripper | None = None
+    gripper: GripperFile | None = None
     srdf: str | None = None
     hand_package: str | None = None
 
@@ -71,7 +71,7 @@ class Shipped:
         gripper = self.gripper
         if self.hand_package is not None and gripper is not None and gripper.hand is not None:
             path = str(_located(self.hand_package, gripper.hand.urdf))
-            gripper = Gripper(hand=Hand(urdf=path, link=gripper.hand.link, offset=gripper.hand.offset))
+            gripper = GripperFile(hand=Hand(urdf=path, link=gripper.hand.link, offset=gripper.hand.offset))
         srdf = None if self.srdf is None else _located(self.package, self.srdf)
         return robot(_located(self.package, self.urdf), gripper, srdf=srdf)
 
@@ -86,9 +86,9 @@ def _located(package: str, path: str) -> Path:
         raise NotInstalled(missing, "arms") from error
 
 
-ROBOTIQ = Gripper(hand=Hand(urdf="airo_models/grippers/robotiq_2f_85/urdf/robotiq_2f_85.urdf"))
-SCHUNK = Gripper(hand=Hand(urdf="airo_models/grippers/schunk_egk40_magneto/schunk_egk40_magneto.urdf"))
-WSG50 = Gripper(hand=Hand(urdf="wsg50"))
+ROBOTIQ = GripperFile(hand=Hand(urdf="airo_models/grippers/robotiq_2f_85/urdf/robotiq_2f_85.urdf"))
+SCHUNK = GripperFile(hand=Hand(urdf="airo_models/grippers/schunk_egk40_magneto/schunk_egk40_magneto.urdf"))
+WSG50 = GripperFile(hand=Hand(urdf="wsg50"))
 OUT = [0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0]  # where x, not z, points out of the flange
 FETCH = [
     "shoulder_pan_joint",
@@ -153,14 +153,14 @@ SHIPPED = (
         "mani-skill",
         "mani_skill/assets/robots/fetch/fetch.urdf",
         "its own",
-        Gripper(arm=ArmPart(joints=FETCH, rest={"torso_lift_joint": 0.2})),
+        GripperFile(arm=ArmPart(joints=FETCH, rest={"torso_lift_joint": 0.2})),
     ),
     Shipped(
         "Kinova Jaco 2, 6 joints",
         "example-robot-data",
         f"{ROBOTS}/kinova_description/robots/kinova.urdf",
         "suction cup",
-        Gripper(cup=Cup(link="j2s6s200_end_effector", offset=[0.0, 0.0, 0.05], radius=0.015)),
+        GripperFile(cup=Cup(link="j2s6s200_end_effector", offset=[0.0, 0.0, 0.05], radius=0.015)),
         srdf=f"{ROBOTS}/kinova_description/srdf/kinova.srdf",
     ),
     Shipped(
@@ -168,7 +168,7 @@ SHIPPED = (
         "example-robot-data",
         f"{ROBOTS}/baxter_description/urdf/baxter.urdf",
         "its own",
-        Gripper(arm=ArmPart(tip="left_gripper_base_link")),
+        GripperFile(arm=ArmPart(tip="left_gripper_base_link")),
         srdf=f"{ROBOTS}/baxter_description/srdf/baxter_manipulation.srdf",
     ),
     Shipped(
@@ -176,21 +176,21 @@ SHIPPED = (
         "example-robot-data",
         f"{ROBOTS}/tiago_description/robots/tiago_no_hand.urdf",
         "Schunk WSG 50",
-        Gripper(hand=Hand(urdf="wsg50", offset=OUT)),
+        GripperFile(hand=Hand(urdf="wsg50", offset=OUT)),
     ),
     Shipped(
         "PAL TIAGo Pro, left arm",
         "example-robot-data",
         f"{ROBOTS}/tiago_pro_description/robots/tiago_pro.urdf",
         "its own",
-        Gripper(arm=ArmPart(tip="gripper_left_base_link")),
+        GripperFile(arm=ArmPart(tip="gripper_left_base_link")),
     ),
     Shipped(
         "Willow Garage PR2, left arm",
         "example-robot-data",
         f"{ROBOTS}/pr2_description/urdf/pr2.urdf",
         "its own",
-        Gripper(arm=ArmPart(tip="l_gripper_palm_link")),
+        GripperFile(arm=ArmPart(tip="l_gripper_palm_link")),
         srdf=f"{ROBOTS}/pr2_description/srdf/pr2.srdf",
     ),
 )

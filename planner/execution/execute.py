@@ -193,11 +193,11 @@ def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> st
         return None
     gripper = robot.arm.tools[segment.tool].gripper
     if segment.kind in (SegmentKind.MOVE, SegmentKind.APPROACH, SegmentKind.RETREAT):
-        if gripper.most.cup_extension or segment.kind is SegmentKind.MOVE:
+        if gripper.limits.cup_extension or segment.kind is SegmentKind.MOVE:
             robot.extend(segment.hand.cup_extension)
         if segment.kind is not SegmentKind.RETREAT:
             robot.open(segment.hand.opening)
-            if robot.opening < (wanted := min(segment.hand.opening, robot.arm.most.opening)) - SHUT:
+            if robot.opening < (wanted := min(segment.hand.opening, robot.arm.hand_limits.opening)) - SHUT:
                 short = f"{1e3 * robot.opening:.0f} mm instead of {1e3 * wanted:.0f} mm"
                 return f"the hand does not open: its pads are {short} apart."
     if segment.kind in GUARDED:

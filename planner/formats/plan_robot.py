@@ -11,7 +11,7 @@ import msgspec
 
 from topple.planner.tolerances import ALIKE
 from topple.robots.arm.gripper import Tool
-from topple.robots.arm.gripper_file import Gripper
+from topple.robots.arm.gripper_file import GripperFile
 from topple.robots.arm.tolerances import CUP_FRICTION
 from topple.topology.base.errors import InvalidInput
 
@@ -114,7 +114,7 @@ class ArmData(msgspec.Struct, frozen=True):
     velocity: list[float]
     acceleration: list[float]
     tools: list[ToolData]
-    gripper: Gripper | None = None
+    gripper: GripperFile | None = None
 
 
 def arm_data(arm: "Arm") -> ArmData:

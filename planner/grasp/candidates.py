@@ -71,7 +71,7 @@ def grasp_candidates(
     mass, friction = scene.masses.get(name), scene.friction.get(name)
     strong = list[Shape]()
     for shape in tools:
-        if words := shape.beyond(mass, friction):
+        if words := shape.too_heavy(mass, friction):
             dropped.note(words)
         else:
             strong.append(shape)

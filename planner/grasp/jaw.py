@@ -83,7 +83,7 @@ class Jaw(HandShape):
         """Multiply the terms: one that is nil spoils the grasp alone."""
         return score_of(terms)
 
-    def most(self, friction: float | None) -> float:
+    def max_weight(self, friction: float | None) -> float:
         """Weight [N] that two pads lift at most."""
         return 2.0 * (STRONGEST if friction is None else friction) * self.force
 

@@ -55,7 +55,7 @@ def judged(grasps: Sequence[Grasp], room: Room) -> list[Judged]:
         deep[these] = shape.stand_in([taken[place] for place in these], room.hulls(name))
         mass, friction = room.scene.masses.get(name), room.scene.friction.get(name)
         by_arm = beyond_arm(mass, room.arm) if mass is not None and room.arm is not None else ""
-        heavy[asked] = [words for words in (shape.beyond(mass, friction), by_arm) if words]
+        heavy[asked] = [words for words in (shape.too_heavy(mass, friction), by_arm) if words]
     for row, (grasp, words, slides), (names, ways), inside in zip(rows, some, met, deep, strict=True):
         stands = [f"a finger would stand in what {grasp.object} fills"] * bool(inside)
         refused = [*heavy[grasp.object, grasp.tool], *words, *ways, *stands]

@@ -212,7 +212,7 @@ def _as_grasps(
         return [grasp.moved(to_world) for grasp in grasps]
     poses, openings = to_world @ grasps.poses_tool_to_source, np.nan_to_num(grasps.widths)
     kind: str = PINCH
-    if arm is not None and arm.tools and not arm.most.opening and bool(np.isnan(grasps.widths).all()):
+    if arm is not None and arm.tools and not arm.hand_limits.opening and bool(np.isnan(grasps.widths).all()):
         kind = next(iter(shapes_of(arm).values())).kind
     return [
         Grasp("", kind, pose, 0.0, opening, score, grasps.source)

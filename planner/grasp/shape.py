@@ -119,7 +119,7 @@ class Shape(ABC):
         """Put the terms (0..1) of one of its grasps together, to 0..1."""
 
     @abstractmethod
-    def most(self, friction: float | None) -> float:
+    def max_weight(self, friction: float | None) -> float:
         """Weight [N] that it lifts at most, at a coefficient of friction; None where that was not tried."""
 
     @abstractmethod
@@ -139,9 +139,9 @@ class Shape(ABC):
             The share; above 1 the object turns, slips or comes off.
         """
 
-    def beyond(self, mass: float | None, friction: float | None) -> str:
+    def too_heavy(self, mass: float | None, friction: float | None) -> str:
         """Why it is known not to lift a mass [kg]; empty where it may, as of a guessed weight, None."""
-        heavy = mass is not None and GRAVITY * mass > self.most(friction)
+        heavy = mass is not None and GRAVITY * mass > self.max_weight(friction)
         return f"{mass:g} kg are more than {self.holder}" if heavy else ""
 
     def widened(self, grasps: Sequence["Grasp"], sought: Sought) -> list["Grasp"]:

@@ -125,7 +125,7 @@ class CupShape(Shape):
         ease = (0.5 + 0.5 * terms["upright"]) * (0.8 + 0.2 * terms["clearance"])
         return terms["seal"] * terms["balance"] * ease * terms.get(HOLD, 1.0)
 
-    def most(self, friction: float | None) -> float:
+    def max_weight(self, friction: float | None) -> float:
         """Weight [N] that the cup lifts at most."""
         return self.cup.max_force
 

@@ -32,7 +32,7 @@ def check_second(arm: Arm) -> None:
     Raises:
         InvalidInput: It has no fingers.
     """
-    if not arm.most.opening:
+    if not arm.hand_limits.opening:
         raise InvalidInput(f"{arm.name} has no fingers: a second arm holds with a parallel jaw")
 
 

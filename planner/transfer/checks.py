@@ -142,7 +142,7 @@ class Checks:
 
     def empty(self, opening: float) -> Checker:
         """The empty hand among everything; it may start near what it just left, so no margin is asked for."""
-        opening = min(self.arm.most.opening, stepped(opening))
+        opening = min(self.arm.hand_limits.opening, stepped(opening))
         return self._checker(self.bodies, self.arm.on_the_way(opening))
 
     @cached_property

@@ -62,7 +62,7 @@ class Grips:
         self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
         # what leans is held, and is not square
         found = grasp_candidates(handling.name, handling.situation, handling.arm, wide=True)
-        closing = {name for name, tool in handling.arm.tools.items() if tool.gripper.most.opening}
+        closing = {name for name, tool in handling.arm.tools.items() if tool.gripper.limits.opening}
         grasps = [each for each in found if each.tool in closing and not any(map(each.near, avoid))]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
         self.states = handling.reached(hands, False, log)

@@ -4,13 +4,20 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
+import topple.planner.verify.between as between
+import topple.planner.verify.clouds as clouds
+import topple.planner.verify.drive as drive
+import topple.planner.verify.hand as hand
+import topple.planner.verify.outcome as outcome
+import topple.planner.verify.premises as premises
+import topple.planner.verify.rest as rest
+import topple.planner.verify.sight as sight
+import topple.planner.verify.tolerances as most
 from topple.planner.formats.plan_structs import Step
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.tolerances import SHIFT, TURN
 from topple.planner.tolerances import DISTURBED
 from topple.planner.transfer.segments import SegmentKind
-from topple.planner.verify import between, clouds, drive, hand, outcome, premises, rest, sight
-from topple.planner.verify import tolerances as most
 from topple.planner.verify.by_fcl import collisions
 from topple.planner.verify.force import Weights
 from topple.planner.verify.replay import Finding, NoScene, Replay

@@ -31,8 +31,8 @@ def beyond_limits(replay: Replay) -> Iterator[Finding]:
     for piece in replay.pieces:
         hand = piece.segment.hand
         for what, value, most in (
-            ("opening", hand.opening, arm.most.opening),
-            ("cup_extension", hand.cup_extension, arm.most.cup_extension),
+            ("opening", hand.opening, arm.hand_limits.opening),
+            ("cup_extension", hand.cup_extension, arm.hand_limits.cup_extension),
         ):
             yield piece.finds(max(value - most, -value) - LIP, what)
     for piece, (_, positions, _) in replay.once(driven):

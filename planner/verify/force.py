@@ -75,7 +75,7 @@ class Weights:
         words = f"{mass:g} kg, {self.arm.name} carries {self.arm.payload:g} kg"
         self.overload.append(piece.finds(mass - self.arm.payload, words))
         hand = shapes_of(self.arm)[piece.segment.tool]
-        most = hand.most(self._friction.get(piece.step.object))
+        most = hand.max_weight(self._friction.get(piece.step.object))
         words = f"{GRAVITY * mass:.0f} N, the {piece.segment.tool} hold {most:.0f} N"
         self.heavy.append(piece.finds(GRAVITY * mass - most, words))
 

@@ -63,7 +63,7 @@ class Grip:
             return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
         to_tool = inverse(pose_pads_to_world) @ poses[step.object]
         parts = [transformed(part, to_tool) for part in self._parts[step.object]]
-        if not self.arm.tools[tool].gripper.most.opening:
+        if not self.arm.tools[tool].gripper.limits.opening:
             return self._cup_fails(step, tool, closed, parts)
         hidden = [transformed(part, to_tool) for part in self._whole[step.object]]
         return self._pads_fail(step, tool, before, closed, [*parts, *hidden])
@@ -96,7 +96,7 @@ class Grip:
             return f"the grasp is {told:.0f} mm wide and the pads close to {to:.0f} mm"
         if closed.opening > before.opening - OPENED:
             return f"the pads come in {1e3 * before.opening:.0f} mm apart and do not close"
-        half = self.arm.tools[tool].gripper.between(before.opening) / 2.0
+        half = self.arm.tools[tool].gripper.closing_region(before.opening) / 2.0
         points = np.vstack([*parts, sampled(parts, SPACING)])
         between = points[(np.abs(points) <= half + SPACING * np.array([0.0, 1.0, 0.0])).all(axis=1)]
         if len(between) < FEWEST_BETWEEN and distance(half, parts) > REACHED:

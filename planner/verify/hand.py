@@ -50,7 +50,7 @@ def off_object(replay: Replay) -> Iterator[Finding]:
     for piece in replay.of_kind(SegmentKind.APPROACH):
         to_tool = inverse(_ends(replay, piece)) @ piece.poses.get(piece.step.object, np.eye(4))
         gripper = replay.arm.tools[piece.segment.tool].gripper
-        half = gripper.between(piece.segment.hand.opening) / 2.0
+        half = gripper.closing_region(piece.segment.hand.opening) / 2.0
         yield piece.finds(distance(half, moved(replay.parts[piece.step.object], to_tool)))
 
 

@@ -230,7 +230,7 @@ class Replay:
         """Open the hand: what was in it lies there, or falls as far as its step says."""
         if not self._held:
             return
-        closes = bool(self.arm.tools[self._tool].gripper.most.opening)
+        closes = bool(self.arm.tools[self._tool].gripper.limits.opening)
         if closes and piece.hand.opening <= self._hand.opening + OPENED:
             self.closed.append(piece.finds(1.0, "the pads stay closed"))
             return

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.gripper import FINGERS, Gripper, Tool, ToolState, tools_of
-from topple.robots.arm.gripper_file import Gripper as GripperFile
+from topple.robots.arm.gripper_file import GripperFile
 from topple.robots.arm.inverse import distinct, solve
 from topple.robots.arm.jaw import ParallelJaw
-from topple.robots.arm.kinematics import Chain, joint_value, pose_of_joint
+from topple.robots.arm.kinematics import Chain, driven_joints, joint_value, pose_of_joint
 from topple.robots.arm.tolerances import STARTS
 from topple.robots.arm.urdf import Joint, Model, read_urdf
 from topple.topology.base.arrays import BoolArray, FloatArray, frozen
@@ -108,7 +108,7 @@ class Arm:
         """
         model = read_urdf(path)
         named = (source or model.path).name
-        joints, before = _driven(model, tool_frame, named)
+        joints, before = driven_joints(model, tool_frame, named)
         follows = [joint.name for joint in joints if joint.mimic is not None]
         if follows:
             raise InvalidInput(
@@ -146,25 +146,25 @@ class Arm:
 
     @property
     def jaw(self) -> ParallelJaw | None:
-        """The fingers of the hand that a world drives, if it has any."""
+        """The fingers, if the hand has any."""
         return next((jaw for tool in self.tools.values() if (jaw := tool.gripper.jaw) is not None), None)
 
     @property
     def cup(self) -> SuctionCup | None:
-        """What a world switches on to hold by its face, if the hand has such a thing."""
+        """The suction cup, if the hand has one."""
         return next((cup for tool in self.tools.values() if (cup := tool.gripper.cup) is not None), None)
 
     @property
-    def most(self) -> ToolState:
+    def hand_limits(self) -> ToolState:
         """How far the hand's parts go."""
-        ends = [tool.gripper.most for tool in self.tools.values()]
+        ends = [tool.gripper.limits for tool in self.tools.values()]
         extension = max((end.cup_extension for end in ends), default=0.0)
         return ToolState(max((end.opening for end in ends), default=0.0), extension)
 
     @property
     def open_hand(self) -> ToolState:
         """Fingers fully open, the cup as it is on the way."""
-        return self.on_the_way(self.most.opening)
+        return self.on_the_way(self.hand_limits.opening)
 
     def on_the_way(self, opening: float) -> ToolState:
         """The hand between objects: the fingers at an opening in [m], the cup drawn in where it can be."""
@@ -368,21 +368,6 @@ class Arm:
         starts = rng.uniform(self.lower, self.upper, (count, seeds, len(self.joints)))
         starts[:, :1] = first
         return starts
-
-
-def _driven(model: Model, tool_frame: str, named: str) -> tuple[tuple[Joint, ...], tuple[FloatArray, ...]]:
-    joints: list[Joint] = []
-    before: list[FloatArray] = []
-    fixed = np.eye(4)
-    for joint in model.path_to(tool_frame):
-        fixed = fixed @ joint.pose_child_to_parent
-        if joint.kind != "fixed":
-            joints.append(joint)
-            before.append(fixed)
-            fixed = np.eye(4)
-    if not joints:
-        raise InvalidInput(f"{named}: no joint moves {tool_frame!r}: expected an arm, with joints that move")
-    return tuple(joints), tuple(before)
 
 
 def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool], named: str) -> None:

@@ -92,7 +92,7 @@ class SuctionCup(Gripper):
         return self
 
     @property
-    def most(self) -> ToolState:
+    def limits(self) -> ToolState:
         """Pushed out."""
         return ToolState(cup_extension=self.stroke)
 

@@ -53,7 +53,7 @@ class Gripper(ABC):
         """Links that touch what is held."""
 
     @property
-    def most(self) -> ToolState:
+    def limits(self) -> ToolState:
         """How far its parts go."""
         return ToolState()
 
@@ -81,7 +81,7 @@ class Gripper(ABC):
         """Where it takes hold (4, 4) in the tool frame, of what has a width [m] between its pads."""
         return np.eye(4)
 
-    def between(self, opening: float) -> FloatArray:
+    def closing_region(self, opening: float) -> FloatArray:
         """Extents (3,) in the tool frame of what is between its pads at a distance of theirs [m]."""
         return np.zeros(3)
 
@@ -133,7 +133,7 @@ class Tool:
     def of(cls, gripper: Gripper, link: str, pose_tool_to_link: FloatArray, *more: str) -> "Tool":
         """The tool of a gripper that comes in as far open, or out, as it goes; more links may touch."""
         links = (*gripper.touching, *more)
-        return cls(gripper.tool, link, pose_tool_to_link, gripper, links, gripper.most)
+        return cls(gripper.tool, link, pose_tool_to_link, gripper, links, gripper.limits)
 
     def pads(self, width: float) -> FloatArray:
         """Where it takes hold: between the pads at a distance of theirs, or at the lip.

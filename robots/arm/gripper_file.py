@@ -103,7 +103,7 @@ class ArmPart(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     apart: list[tuple[str, str]] = []
 
 
-class Gripper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class GripperFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What a gripper file holds.
 
     Attributes:
@@ -119,7 +119,7 @@ class Gripper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     arm: ArmPart | None = None
 
 
-def read_gripper(path: str | Path) -> Gripper:
+def read_gripper(path: str | Path) -> GripperFile:
     """Read a gripper file.
 
     Args:
@@ -151,7 +151,7 @@ def read_gripper(path: str | Path) -> Gripper:
     except (ValueError, RecursionError) as error:  # broken, no text, numbers without end, nested without end
         raise InvalidInput(f"{path}: not TOML ({error})") from error
     try:
-        gripper = msgspec.convert(document, Gripper)
+        gripper = msgspec.convert(document, GripperFile)
     except msgspec.ValidationError as error:
         raise InvalidInput(f"{path}: {error}") from error
     checked(gripper, str(path))
@@ -162,7 +162,7 @@ def read_gripper(path: str | Path) -> Gripper:
     return gripper
 
 
-def checked(gripper: Gripper, where: str) -> None:
+def checked(gripper: GripperFile, where: str) -> None:
     """Refuse values that types cannot exclude.
 
     Args:
@@ -173,7 +173,7 @@ def checked(gripper: Gripper, where: str) -> None:
         InvalidInput: A list has the wrong length, or a number is not finite or not positive.
     """
     jaw, cup, arm = gripper.jaw, gripper.cup, gripper.arm
-    if gripper == Gripper():
+    if gripper == GripperFile():
         raise InvalidInput(f"{where}: no tool in it: write {EXAMPLE}")
     if jaw is not None:
         if len(jaw.joints) not in (1, 2):
@@ -207,7 +207,7 @@ def checked(gripper: Gripper, where: str) -> None:
                 raise InvalidInput(f"{where}: `$.arm.rest.{joint}` is {value}, expected a finite number")
 
 
-def check_names(gripper: Gripper, model: Model, where: str) -> None:
+def check_names(gripper: GripperFile, model: Model, where: str) -> None:
     """Refuse links and joints that are not there.
 
     Args:

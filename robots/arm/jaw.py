@@ -68,7 +68,7 @@ class ParallelJaw(Gripper):
         return float(self.openings[-1])
 
     @property
-    def most(self) -> ToolState:
+    def limits(self) -> ToolState:
         """Fully open."""
         return ToolState(self.max_opening)
 
@@ -92,7 +92,7 @@ class ParallelJaw(Gripper):
         pose[2, 3] = self.ahead(width)
         return pose
 
-    def between(self, opening: float) -> FloatArray:
+    def closing_region(self, opening: float) -> FloatArray:
         """Extents (3,) in the tool frame of what is between its pads at a distance of theirs [m]."""
         return np.array([self.pad_size[0], opening, self.pad_size[1]])
 

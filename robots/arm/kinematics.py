@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from topple.robots.arm.tolerances import ROUNDING
-from topple.robots.arm.urdf import Joint
+from topple.robots.arm.urdf import Joint, Model
 from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.errors import InvalidInput
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +128,28 @@ class Chain:
         linear = np.where(turning, _cross(axes, arms), axes)
         angular = np.where(turning, axes, 0.0)
         return np.concatenate([linear, angular], axis=2).transpose(0, 2, 1)
+
+
+def driven_joints(
+    model: Model, tool_frame: str, named: str
+) -> tuple[tuple[Joint, ...], tuple[FloatArray, ...]]:
+    """Find the joints that move a link, base first, each with its pose in the one before, as `Chain.of` asks.
+
+    Raises:
+        InvalidInput: There are none; `named` is what the message calls the model.
+    """
+    joints: list[Joint] = []
+    before: list[FloatArray] = []
+    fixed = np.eye(4)
+    for joint in model.path_to(tool_frame):
+        fixed = fixed @ joint.pose_child_to_parent
+        if joint.kind != "fixed":
+            joints.append(joint)
+            before.append(fixed)
+            fixed = np.eye(4)
+    if not joints:
+        raise InvalidInput(f"{named}: no joint moves {tool_frame!r}: expected an arm, with joints that move")
+    return tuple(joints), tuple(before)
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.compose import composed
 from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.gripper import FINGERS, SUCTION, Tool, ToolState
-from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
+from topple.robots.arm.gripper_file import Cup, GripperFile, Jaw
 from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.catalog.data import data_path, panda_file
 from topple.robots.catalog.described import DESCRIPTIONS, described
@@ -49,7 +49,7 @@ XARM_JOINTS = (
 @checked_arguments
 def robot(
     name: str | Path,
-    gripper: str | Path | Gripper | Jaw | Cup | None = None,
+    gripper: str | Path | GripperFile | Jaw | Cup | None = None,
     *,
     srdf: str | Path | None = None,
     group: str | None = None,

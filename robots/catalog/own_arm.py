@@ -16,7 +16,7 @@ from topple.robots.arm.gripper import FINGERS, SUCTION, Tool, ToolState
 from topple.robots.arm.gripper_file import (
     ArmPart,
     Cup,
-    Gripper,
+    GripperFile,
     Hand,
     Jaw,
     check_names,
@@ -47,7 +47,7 @@ from topple.topology.base.errors import InvalidInput, ToppleError
 
 def arm_from_file(
     path: str | Path,
-    gripper: str | Path | Gripper | Jaw | Cup | None = None,
+    gripper: str | Path | GripperFile | Jaw | Cup | None = None,
     *,
     srdf: str | Path | None = None,
     group: str | None = None,
@@ -110,7 +110,7 @@ def arm_from_file(
     arm = replace(arm, home=home_of(arm, next(iter(tools), None)))
     if weak := springs(arm):
         assumed += (f"springs bear the arm's own weight at {', '.join(weak)}: efforts in {path.name} do not",)
-    given = wanted if wanted != Gripper() else None
+    given = wanted if wanted != GripperFile() else None
     return replace(arm, gripper=given, assumptions=assumed)
 
 
@@ -151,8 +151,12 @@ def _said(what: str, links: list[str]) -> tuple[str, ...]:
 
 
 def _whole(
-    robot: ElementTree.Element, path: Path, wanted: Gripper, semantics: Semantics | None, group: str | None
-) -> tuple[Gripper, tuple[str, ...]]:
+    robot: ElementTree.Element,
+    path: Path,
+    wanted: GripperFile,
+    semantics: Semantics | None,
+    group: str | None,
+) -> tuple[GripperFile, tuple[str, ...]]:
     """Hold still what is not the arm, mount the hand, and say what was settled and what was assumed."""
     tree = Tree(robot, path.name)
     part, assumed = wanted.arm, ()
@@ -220,17 +224,17 @@ def _last(arm: Arm) -> str:
     return [link for link, frame in zip(arm.links, arm.frame_of_link, strict=True) if frame == last][-1]
 
 
-def _gripper(gripper: str | Path | Gripper | Jaw | Cup | None) -> tuple[Gripper, str]:
+def _gripper(gripper: str | Path | GripperFile | Jaw | Cup | None) -> tuple[GripperFile, str]:
     """What was given, and what to call it in messages."""
     if gripper is None:
-        return Gripper(), "gripper"
+        return GripperFile(), "gripper"
     if isinstance(gripper, str | Path):
         named = str(gripper) == WSG50 or str(gripper).endswith(".urdf")
         hand = gripper if named else described(str(gripper))
-        found = read_gripper(gripper) if hand is None else Gripper(hand=Hand(urdf=str(hand)))
+        found = read_gripper(gripper) if hand is None else GripperFile(hand=Hand(urdf=str(hand)))
         return found, str(gripper)
-    if not isinstance(gripper, Gripper):  # one part of it, under its name
-        gripper = msgspec.structs.replace(Gripper(), **{type(gripper).__name__.lower(): gripper})
+    if not isinstance(gripper, GripperFile):  # one part of it, under its name
+        gripper = msgspec.structs.replace(GripperFile(), **{type(gripper).__name__.lower(): gripper})
     checked(gripper, "gripper")
     return gripper, "gripper"
 
@@ -241,7 +245,7 @@ def _fingers(model: Model, jaw: Jaw | None) -> Fingers | None:
 
 
 def _hinged(
-    robot: ElementTree.Element, model: Model, wanted: Gripper
+    robot: ElementTree.Element, model: Model, wanted: GripperFile
 ) -> tuple[Model, Tool | None, Fingers | None]:
     """The model, cut for the jaw of which one finger turns where such is at the end, and that jaw."""
     joint = last_hinge(model)
@@ -291,7 +295,7 @@ def _suction(cup: Cup, design: CupDesign, jaw: Tool | None) -> Tool:
     return Tool(SUCTION, cup.link, pose_of_offset(cup.offset), made, (CUP_LINK,), ready)
 
 
-def _tool_frame(model: Model, fingers: Fingers | None, gripper: Gripper) -> str:
+def _tool_frame(model: Model, fingers: Fingers | None, gripper: GripperFile) -> str:
     """The link whose moving ancestors are the arm's joints."""
     if fingers is not None:
         return fingers.palm
@@ -307,7 +311,7 @@ def _accelerations(name: str) -> str:
     return f"{name} states no accelerations, as no URDF does: {limits} assumed"
 
 
-def _guessed_force(model: Model, fingers: Fingers | None, gripper: Gripper) -> tuple[str, ...]:
+def _guessed_force(model: Model, fingers: Fingers | None, gripper: GripperFile) -> tuple[str, ...]:
     if fingers is None or (gripper.jaw is not None and gripper.jaw.force is not None):
         return ()
     if model.joint(fingers.drivers[0]).effort > 0.0:

@@ -31,6 +31,11 @@ class FrozenDict(dict[_Key, _Value]):
         return (FrozenDict, (dict(self),))
 
 
+def all_but(key: _Key, values: Mapping[_Key, _Value]) -> FrozenDict[_Key, _Value]:
+    """A mapping without one of its keys, read-only."""
+    return FrozenDict({other: value for other, value in values.items() if other != key})
+
+
 class ByValue:
     """Equality of frozen dataclasses that hold arrays: equal where all their fields are."""
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,17 +26,16 @@ from topple.topology.base.checks import (
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.base.notebook import in_cell
 from topple.topology.base.tolerances import FEWEST_SEEN
-from topple.topology.base.values import ByValue, FrozenDict
+from topple.topology.base.values import ByValue, FrozenDict, all_but
 from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.scene.amounts import as_centres, as_friction, as_masses
 from topple.topology.scene.background import table_among, unnamed_among, without_bodies
 from topple.topology.scene.mesh import Mesh
 from topple.topology.scene.model_fit import ModelFit
+from topple.topology.scene.write import write_clouds
 from topple.topology.views.agreement import check_views
 from topple.topology.views.image import DepthImage, check_depth, said_of_images
 from topple.topology.views.wrong_masks import WrongMask, wrong_masks
-
-_Value = TypeVar("_Value")
 
 
 @checked_arguments
@@ -328,7 +327,7 @@ class Scene(ByValue):
             InvalidInput: If the cloud is not what it should be.
         """
         clouds = {**self.clouds, as_name(name): as_points(points, f"cloud {name!r}")}
-        lost = {key: _except(name, getattr(self, key)) for key in ("meshes", "models", "centres")}
+        lost = {key: all_but(name, getattr(self, key)) for key in ("meshes", "models", "centres")}
         return self._changed(clouds=FrozenDict(clouds), **lost)
 
     def without(self, name: str) -> "Scene":
@@ -346,12 +345,11 @@ class Scene(ByValue):
         """
         if name not in self.clouds:
             raise UnknownObject(name, self.clouds)
-        clouds = {other: points for other, points in self.clouds.items() if other != name}
-        if not clouds:
+        if not (clouds := all_but(name, self.clouds)):
             raise InvalidInput(f"without {name!r} the scene has no objects: expected at least one")
         named = ("meshes", "masses", "friction", "models", "centres")
-        left = {key: _except(name, getattr(self, key)) for key in named}
-        return self._changed(clouds=FrozenDict(clouds), fixed=self.fixed - {name}, **left)
+        left = {key: all_but(name, getattr(self, key)) for key in named}
+        return self._changed(clouds=clouds, fixed=self.fixed - {name}, **left)
 
     @checked_arguments
     def weighed(
@@ -386,8 +384,6 @@ class Scene(ByValue):
         Raises:
             InvalidInput: The file cannot be written, or an object has the name of another of its arrays.
         """
-        from topple.topology.scene.write import write_clouds  # not before: `io` is of scenes
-
         kept = ("up", "viewpoints", "robot_base", "matter", "masses", "friction", "centres")
         about = {"fixed": sorted(self.fixed), **{key: getattr(self, key) for key in kept}}
         write_clouds(Path(path), self.clouds, about)
@@ -400,8 +396,3 @@ class Scene(ByValue):
 
     def _fixed_in_order(self) -> list[str]:
         return [name for name in self.clouds if name in self.fixed]
-
-
-def _except(name: str, values: Mapping[str, _Value]) -> Mapping[str, _Value]:
-    """What is known of all objects but one, read-only."""
-    return FrozenDict({other: value for other, value in values.items() if other != name})

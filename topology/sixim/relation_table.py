@@ -232,10 +232,10 @@ class RelationTable:
 
     def __str__(self) -> str:
         """The pairs that meet, a line each, as `topple relate` prints them."""
-        told = [pair for pair in self.near.values() if pair.relation is not Relation.DISJOINT]
-        lines = in_columns([pair.cells() for pair in told])
+        met = [pair for pair in self.near.values() if pair.relation is not Relation.DISJOINT]
         head = f"{len(self.objects)} objects, deviation {1000 * self.deviation:.2f} mm"
-        return "\n".join([head, *lines, f"disjoint: {len(self) - len(told)} of {len(self)} pairs"])
+        far = f"disjoint: {len(self) - len(met)} of {len(self)} pairs"
+        return "\n".join([head, *in_columns([pair.cells() for pair in met]), far])
 
     def of(self, name: str) -> Iterator[PairRelation]:
         """The pairs of one object that were looked at closely, each told from it.
@@ -247,18 +247,14 @@ class RelationTable:
             UnknownObject: The name is not in the scene.
         """
         wanted = self._position(name)
-        for i, j in self._around.get(wanted, ()):
-            pair = self.near[i, j]
-            yield pair if wanted == i else pair.converse
+        for key in self._around.get(wanted, ()):
+            yield self.near[key] if wanted == key[0] else self.near[key].converse
 
     @cached_property
     def meeting(self) -> frozenset[frozenset[str]]:
         """The pairs that are in contact or in each other: every one that is not disjoint."""
-        return frozenset(
-            frozenset((pair.a, pair.b))
-            for pair in self.near.values()
-            if pair.relation is not Relation.DISJOINT
-        )
+        met = (pair for pair in self.near.values() if pair.relation is not Relation.DISJOINT)
+        return frozenset(frozenset((pair.a, pair.b)) for pair in met)
 
     def with_relation(self: AnyTable, a: str, b: str, relation: Relation | str) -> AnyTable:
         """Copy in which one pair has another relation, as somebody knows better; its matrix stays as counted.

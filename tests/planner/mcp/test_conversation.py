@@ -116,7 +116,7 @@ def test_nothing_that_a_scene_names_outside_the_root_is_read(folder: Path) -> No
         ("order", {"scene": {"clouds": {"a": [[0.0, 1.0]]}}}, r"clouds"),
         ("why", {"scene": FREE, "take": "bx"}, "did you mean 'box'"),
         ("why", {"scene": FREE, "take": "table"}, "fixed and never moves"),
-        ("plan", {"scene": FREE, "goal": "free can", "robot": "/tmp/arm.urdf"}, "robot"),
+        ("plan", {"scene": FREE, "goal": "free can", "robot": "../arm.urdf"}, "robot"),
         ("plan", {"scene": FREE, "goal": "free can", "output": "../beside/plan.json"}, "below the root"),
         ("verify", {"scene": FREE, "plan": "../beside/scene.npz"}, "below the root"),
         ("verify", {"scene": FREE, "plan": {}}, "document"),

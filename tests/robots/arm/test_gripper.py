@@ -64,7 +64,7 @@ def test_tips_are_as_far_beyond_the_pads_at_every_opening(name: str) -> None:
 def test_beyond_its_stroke_a_jaw_stays_at_the_end() -> None:
     jaw = robot("panda").jaw
     assert jaw is not None
-    assert jaw.values(ToolState(1.0)) == jaw.values(jaw.most)
+    assert jaw.values(ToolState(1.0)) == jaw.values(jaw.limits)
     assert jaw.values(ToolState(-1.0)) == jaw.values(ToolState())
 
 

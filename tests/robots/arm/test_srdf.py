@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.robots.arm.gripper_file import ArmPart, Cup, Gripper
+from topple.robots.arm.gripper_file import ArmPart, Cup, GripperFile
 from topple.robots.arm.srdf import EndEffector, read_srdf, srdf_beside
 from topple.robots.catalog import robot
 from topple.topology.base.errors import InvalidInput
@@ -122,7 +122,7 @@ def test_a_gripper_file_names_the_arm_and_where_the_rest_stands(tmp_path: Path) 
 def test_links_that_are_not_to_be_checked_are_not(tmp_path: Path, srdf: Path) -> None:
     path, named = (
         two_armed(tmp_path),
-        Gripper(cup=cup("left"), arm=ArmPart(tip="left_tool0", rest={"lift": 0.1})),
+        GripperFile(cup=cup("left"), arm=ArmPart(tip="left_tool0", rest={"lift": 0.1})),
     )
 
     def pairs(arm_srdf: Path | None) -> set[frozenset[str]]:

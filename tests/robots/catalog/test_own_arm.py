@@ -14,7 +14,7 @@ from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.gripper import ToolState
-from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
+from topple.robots.arm.gripper_file import Cup, GripperFile, Jaw
 from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.catalog import data_path, robot
 from topple.robots.catalog.own_arm import check_tool
@@ -179,7 +179,7 @@ def test_what_the_file_gives_goes_before_what_is_measured(tmp_path: Path) -> Non
 
 def test_a_cup_beside_recognised_fingers_is_drawn_in_on_the_way() -> None:
     arm = robot(
-        PANDA, gripper=Gripper(cup=Cup(link="panda_hand", offset=[0, 0, 0.13], radius=0.012, stroke=0.07))
+        PANDA, gripper=GripperFile(cup=Cup(link="panda_hand", offset=[0, 0, 0.13], radius=0.012, stroke=0.07))
     )
     assert list(arm.tools) == ["fingers", "suction"]
     assert arm.open_hand.cup_extension == 0.0

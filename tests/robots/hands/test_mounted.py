@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple.planner.formats.plan_robot import arm_data, arm_from
-from topple.robots.arm.gripper_file import Gripper, Hand
+from topple.robots.arm.gripper_file import GripperFile, Hand
 from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.catalog import robot
 from topple.topology.base.errors import InvalidInput
@@ -70,7 +70,7 @@ def test_what_cannot_be_mounted_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match=r"no\.urdf: cannot be read"):
         robot(path, tmp_path / "no.urdf")
     with pytest.raises(InvalidInput, match=r"`\$\.hand\.link` names 'flange': arm\.urdf has world, foot"):
-        robot(path, Gripper(hand=Hand(urdf=str(hand(tmp_path)), link="flange")))
+        robot(path, GripperFile(hand=Hand(urdf=str(hand(tmp_path)), link="flange")))
     two = tmp_path / "two.urdf"
     two.write_text("<robot name='two'><link name='a'/><link name='b'/></robot>")
     with pytest.raises(InvalidInput, match=r"two\.urdf: expected one root link"):

@@ -80,11 +80,7 @@ def test_a_pool_of_two_answers_like_one_after_the_other(pool: Callable[[], Execu
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
-def test_a_dask_cluster_of_two_workers_answers_like_one_after_the_other(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed", reason="dask is not installed: pip install '.[dask]'")
-    with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        assert len(client.scheduler_info()["workers"]) == 2
-        check(client.get_executor(), tmp_path)
+def test_a_dask_cluster_of_two_workers_answers_like_one_after_the_other(
+    cluster: Executor, tmp_path: Path
+) -> None:
+    check(cluster, tmp_path)

@@ -112,12 +112,7 @@ def test_a_pool_that_is_left_by_an_exception_does_not_wait_for_its_tasks() -> No
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
-def test_a_dask_cluster_answers_alike_though_a_worker_is_killed(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed", reason="dask is not installed: pip install '.[dask]'")
-    with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        work = partial(killed_at, tmp_path / "killed", False)
-        assert list(mapped(work, range(8), client.get_executor())) == SQUARES
-        assert (tmp_path / "killed").exists()
+def test_a_dask_cluster_answers_alike_though_a_worker_is_killed(cluster: Executor, tmp_path: Path) -> None:
+    work = partial(killed_at, tmp_path / "killed", False)
+    assert list(mapped(work, range(8), cluster)) == SQUARES
+    assert (tmp_path / "killed").exists()

@@ -21,7 +21,7 @@ class Magnet(Gripper):  # what an arm, a world and a plan ask
     tool, presses = "magnet", True
     cup = property(lambda self: self.core)
     touching = property(lambda self: self.core.touching)
-    most = property(lambda self: self.core.most)
+    limits = property(lambda self: self.core.limits)
     stowed = property(lambda self: self.core.stowed)
 
     def values(self, state):
@@ -57,11 +57,11 @@ class Face(Shape):  # what searches, rankings and verdicts ask
     def score(self, terms):
         return terms["flat"]
 
-    def most(self, friction):
+    def max_weight(self, friction):
         return self.tool.gripper.cup.max_force
 
     def load(self, weight, *_):
-        return weight / self.most(None)
+        return weight / self.max_weight(None)
 
     def holds(self, count):
         bound = np.tile([self.tool.gripper.cup.radius] * 2 + [0.01], (count, 1))
