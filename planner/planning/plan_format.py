@@ -1,6 +1,7 @@
 """A plan: what it is made of, checked as it is read, and verified by other means than it was made with."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from inspect import cleandoc
 from math import hypot
 from pathlib import Path
 from typing import Any
@@ -120,7 +121,11 @@ def plan_from_json(data: bytes | str, name: str = "plan.json") -> Plan:
 
 def plan_schema() -> dict[str, Any]:
     """The JSON schema (2020-12) of a plan, as `docs/plan.schema.json` has it."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | msgspec.json.schema(Plan)
+    made = msgspec.json.schema(Plan)
+    for part in made["$defs"].values():
+        if "description" in part:  # as msgspec itself has it from 0.23 on
+            part["description"] = cleandoc(part["description"])
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | made
 
 
 def _faults(plan: Plan) -> Iterator[str]:
