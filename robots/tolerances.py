@@ -24,7 +24,6 @@ class Tolerances:
         still_for: How long all must be slow; a body at the top of a swing is slow for less.
         floor_drop: Depth of the floor below a table: a usual table's height.
         cell: Spacing of the rays that sample a foreign world's surfaces.
-        thinnest: Thickness given to a cloud without any, that of sheet steel.
         empty_jaw: Jaws that stop this much short of where they were told to close have something between:
             sheet steel, and five times what the encoders of their motors are off.
         stalled: Share of its force limit beyond which a jaw's motor is held up: one that moves or rests
@@ -46,7 +45,6 @@ class Tolerances:
     still_for: float = 0.15
     floor_drop: float = 0.75
     cell: float = 0.004
-    thinnest: float = 0.001
     empty_jaw: float = 5e-4
     stalled: float = 0.2
     grazing: float = 1.4

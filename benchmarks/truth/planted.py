@@ -89,7 +89,7 @@ CHANGES = (
     ),
     Change(
         "a sign: what hangs over needs a push aside", _SWEEP,
-        "evasion=float(reach.min()),", "evasion=-float(reach.min()),",
+        "return Overlap(evasion,", "return Overlap(-evasion,",
     ),
     Change(
         "normals turned", _CONTACT,

@@ -23,6 +23,7 @@ from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.scene import Scene
 from topple.topology.sixim.confidence import view_of
 from topple.topology.statics.sweep import Overlap
+from topple.topology.views.tolerances import OFF_BORDERS
 
 SIGNS = (
     "always", "meets", "falls", "hangs over", "seen over", "hung over", "unheld", "upward", "hooked", "depth",
@@ -88,9 +89,12 @@ def _hold_each_other(a: str, b: str, asked: Mapping[Pair, Disturbance]) -> bool:
 
 
 def seen_by(scene: Scene) -> str:
-    """What a scene was seen by: nothing that hid a side, one camera or several, with pictures or without."""
+    """What a scene was seen by: nothing that hid a side, one camera or several, and what is known of it."""
     view = view_of(len(scene.viewpoints))
-    return view if scene.images or not len(scene.viewpoints) else f"{view}, clouds"
+    if not scene.images:
+        return view if not len(scene.viewpoints) else f"{view}, clouds"
+    off = np.mean([image.borders.off for image in scene.images])
+    return f"{view}, masks off" if off > OFF_BORDERS else view
 
 
 class _Kept(msgspec.Struct):

@@ -17,7 +17,7 @@ from topple.planner.decide.disturbance import (
     without_cascades,
 )
 from topple.planner.decide.rates import overlooked
-from topple.planner.decide.tolerances import COUNTS, PRESSED, RESTS
+from topple.planner.decide.tolerances import CARRIES, COUNTS, PRESSED, RESTS
 from topple.planner.decide.words import WORDS, said
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput, UnknownObject
@@ -264,7 +264,7 @@ def _reason(found: Disturbance, inside: bool) -> Reason:
     """Why the one has to go before the other."""
     if inside and found.meets:
         return Reason.CONTAINED
-    if found.up is not None and found.up > 0.1:
+    if found.up is not None and found.up > CARRIES:
         return Reason.SUPPORTED if found.up > RESTS else Reason.LEANING
     if not found.falls:
         return Reason.BLOCKING

@@ -8,7 +8,7 @@ from itertools import permutations
 import networkx as nx
 import numpy as np
 
-from topple.planner.decide.tolerances import BOARD, PRESSED
+from topple.planner.decide.tolerances import BOARD, CARRIES, PRESSED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.base.arrays import FloatArray, bounds
 from topple.topology.geometry.broadphase import near_both_ways
@@ -42,8 +42,12 @@ class Disturbance:
 
     @property
     def meets(self) -> bool:
-        """Whether a lift of `then` pushes `first` by more than counts as disturbed."""
-        return self.over is not None and self.over.evasion > DISTURBED
+        """Whether a lift of `then` pushes `first` by more than counts as disturbed.
+
+        Half of that is enough where it rests on it, since it tips once it is caught by an edge.
+        """
+        least = DISTURBED / 2 if (self.up or 0.0) > CARRIES else DISTURBED
+        return self.over is not None and self.over.evasion > least
 
     @property
     def falls(self) -> bool:

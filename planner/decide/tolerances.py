@@ -26,6 +26,9 @@ COUNTS = 0.45
 HOLD_EACH_OTHER = 0.8
 """Chance that either of two falls without the other where several cameras say so of both: 21 of 24 do."""
 
+CARRIES = 0.1
+"""Upward part of a contact normal above which the lower body carries some of the upper one: 6 degrees."""
+
 RESTS = 0.7
 """Upward part of a contact normal above which the upper body rests on the lower one: 45 degrees."""
 

@@ -266,7 +266,7 @@ def test_a_worse_version_is_refused_against_a_better_one_and_below_its_floors(
     path = blind.folder / "topple" / CHANGES[4].file
     path.write_text(path.read_text().replace("return tuple(rubbing(", "return () and tuple(rubbing("))
     path = blind.folder / "topple" / "planner" / "decide" / "disturbance.py"
-    path.write_text(path.read_text().replace("over.evasion > DISTURBED", "over.evasion > 9.0"))
+    path.write_text(path.read_text().replace("over.evasion > least", "over.evasion > 9.0"))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(gate, "FLOORS", tmp_path / "truth.json")
     monkeypatch.setattr(gate, "few", lambda: scenes)

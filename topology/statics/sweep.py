@@ -39,7 +39,8 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
         lower: (M, 3) upright surface points [m] of the object that is lifted.
 
     Returns:
-        The overlap, or None where no part of `upper` is above a part of `lower` within the lift.
+        The overlap, or None where no part of `upper` is above a part of `lower` within the lift, or by so
+        little that nothing has to move.
     """
     (least, most), (lowest, highest) = bounds(upper), bounds(lower)
     low, high = np.maximum(least, lowest)[:2] - SWEEP_CELL, np.minimum(most, highest)[:2] + SWEEP_CELL
@@ -60,9 +61,11 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     # Sideways escape: past the farthest lower point that is lower than what hangs over it.
     below = lower[lower[:, 2] < ceiling[above].max() - CLEAR][:, :2]
     reach = (below @ DIRECTIONS.T).max(axis=0) - (spots @ DIRECTIONS.T).min(axis=0)
+    if (evasion := float(reach.min())) <= 0.0:
+        return None
     some = slice(None, None, len(cells) // PLACES + 1)
     places = np.column_stack([spots, ceiling[above]])[some]
-    return Overlap(evasion=float(reach.min()), area=len(cells) * SWEEP_CELL**2, places=places)
+    return Overlap(evasion, area=len(cells) * SWEEP_CELL**2, places=places)
 
 
 @remembered(KEPT_PAIRS)

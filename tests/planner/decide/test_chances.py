@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import expit
 
-from topple.benchmarks.chances import fitted, given
+from topple.benchmarks.chances import LOOKS, fitted, given
 from topple.benchmarks.truth.cases import drawn, few, training
 from topple.planner.decide.chances import SIGNS, chances, seen_by, weights
 from topple.planner.decide.dependency import counting
@@ -24,7 +24,7 @@ def chance(found: Disturbance, view: str, height: float = 0.03) -> float:
 
 
 @pytest.mark.parametrize("view", weights())
-def test_every_sign_of_a_disturbance_makes_it_likelier(view: str) -> None:
+def test_no_sign_of_a_disturbance_makes_it_less_likely(view: str) -> None:
     weaker = (
         replace(FOUND, over=None),
         replace(FOUND, seen=None),
@@ -32,7 +32,8 @@ def test_every_sign_of_a_disturbance_makes_it_likelier(view: str) -> None:
         replace(FOUND, up=None),
         replace(FOUND, depth=0.02),
     )
-    assert all(chance(each, view) < chance(FOUND, view) for each in weaker)
+    assert all(chance(each, view) <= chance(FOUND, view) for each in weaker)
+    assert "off" in view or all(chance(each, view) < chance(FOUND, view) for each in weaker)
     assert chance(FOUND, view, -0.03) < chance(FOUND, view)
 
 
@@ -60,22 +61,19 @@ def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so() -> N
 
 
 def test_every_view_has_its_weights() -> None:
-    seen = {
-        seen_by(given(training()[0], *view))
-        for view in ((0, True), (1, True), (1, False), (3, True), (3, False))
-    }
-    assert seen == set(weights())
+    seen = [seen_by(given(training()[0], *look)) for look in LOOKS]
+    assert sorted(seen) == sorted(weights())
     assert all(len(each) == len(SIGNS) for each in weights().values())
 
 
 def test_the_fit_finds_the_weights_that_labels_were_drawn_with() -> None:
-    pytest.importorskip("sklearn", reason="scikit-learn belongs to the bench extra")
     rng = np.random.default_rng(0)
-    true = np.array([-3.0, 0.8, 1.5, 2.0, -0.5, 1.0, 0.3, -2.0, 0.5, -0.7, 0.2, -0.4])
+    true = np.array([-3.0, 0.8, 1.5, 0.5, 0.4, -1.0, 0.3, 0.6, 0.5, -0.7, 0.2, 0.4])
     signs = np.column_stack([np.ones(40_000), rng.uniform(0, 2, (40_000, len(SIGNS) - 1))])
     labels = (rng.random(len(signs)) < expit(signs @ true)).astype(float)
     found = fitted([(signs[:9000], labels[:9000]), (signs[9000:], labels[9000:])])
     assert np.allclose(found, true, atol=0.2)
+    assert fitted([(signs, 1.0 - labels)])[1:5] == [0.0] * 4, "a sign speaks against what it is a sign of"
 
 
 def test_no_version_is_judged_on_scenes_that_taught_chances() -> None:
