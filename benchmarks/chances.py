@@ -85,7 +85,7 @@ def counted(scene: PoolScene, *look: Any) -> Counted:
         return np.empty((0, len(SIGNS))), np.empty(0)
     labels = [scene.labels.get(then, {}).get(first) for first, then in asked]
     told = [number for number, label in enumerate(labels) if label is not None]
-    found = signs(asked, situation.statics.surfaces)
+    found = signs(asked)
     return found[told], np.array([labels[number] for number in told], dtype=float)
 
 

@@ -1,7 +1,7 @@
 """What earlier looks made of a scene: one look errs more than several at the same things."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from statistics import fmean
 
 from topple.planner.decide.disturbance import Pair
@@ -15,10 +15,12 @@ class Beliefs(ByValue):
     Attributes:
         chances: Pair -> the chances that looks so far gave, for objects that stayed where they were.
         alone: Objects that were put down clear of all others.
+        measured: (first, then): lifting `then` was seen to move `first`, and both are as they were.
     """
 
     chances: Mapping[Pair, tuple[float, ...]] = field(default_factory=dict[Pair, tuple[float, ...]])
     alone: frozenset[str] = frozenset()
+    measured: frozenset[Pair] = frozenset()
 
     def weighed(self, found: Mapping[Pair, float], edges: Collection[Pair]) -> dict[Pair, float]:
         """What one more look found, weighed with what is believed.
@@ -53,4 +55,15 @@ class Beliefs(ByValue):
             for pair, chance in found.items()
             if gone.isdisjoint(pair)
         }
-        return Beliefs(chances, self.alone - gone | frozenset(put_down))
+        return replace(self, chances=chances, alone=self.alone - gone | frozenset(put_down))
+
+    def taught(self, changed: Collection[str], moved: Collection[str], lifted: str) -> "Beliefs":
+        """Beliefs after a lift was watched.
+
+        Args:
+            changed: Objects that are not where they were: what was measured of them is forgotten.
+            moved: What was seen to move.
+            lifted: What was put back then.
+        """
+        kept = (pair for pair in self.measured if not set(changed).intersection(pair))
+        return replace(self, measured=frozenset([*kept, *((other, lifted) for other in moved)]))

@@ -36,22 +36,20 @@ upward, and that times the logarithm of the area by which the other is seen to h
 times 2 cm they lie in each other, up to 1.5; by how many times 5 cm bottom and top are higher, up to 2."""
 
 
-def signs(asked: Mapping[Pair, Disturbance], surfaces: Mapping[str, FloatArray]) -> FloatArray:
+def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
     """What is weighed of pairs.
 
     Args:
         asked: What was found of each.
-        surfaces: name -> (N, 3) upright surface points [m], with hidden sides.
 
     Returns:
         (pair, sign) as `SIGNS` has them, pairs as they were given.
     """
-    ends = {name: np.array([body[:, 2].min(), body[:, 2].max()]) for name, body in surfaces.items()}
     rows: list[tuple[float, ...]] = []
     for (first, then), each in asked.items():
         upward, back = max(each.up or 0.0, 0.0), asked.get((then, first))
         over, seen = (_area(back.over), _area(back.seen)) if back else (0.0, 0.0)
-        higher = np.clip((ends[first] - ends[then]) / 0.05, -2.0, 2.0)
+        higher = np.clip(np.array(each.ahead) / 0.05, -2.0, 2.0)
         rows.append(
             (1.0, each.meets, each.falls, _area(each.over), _area(each.seen), over, each.unheld, upward,
              upward * seen, min(each.depth / 0.02, 1.5), *higher)
@@ -63,20 +61,17 @@ def _area(over: Overlap | None) -> float:
     return 0.0 if over is None else float(np.log1p(over.area / 1e-4))
 
 
-def chances(
-    asked: Mapping[Pair, Disturbance], surfaces: Mapping[str, FloatArray], view: str
-) -> dict[Pair, float]:
+def chances(asked: Mapping[Pair, Disturbance], view: str) -> dict[Pair, float]:
     """How likely taking `then` moves `first`, of pairs of which something was found.
 
     Args:
         asked: What was found of each.
-        surfaces: name -> (N, 3) upright surface points [m], with hidden sides.
         view: Of the scene, by `seen_by`.
 
     Returns:
         (first, then) -> 0..1, before any simulation.
     """
-    found = dict(zip(asked, expit(signs(asked, surfaces) @ weights()[view]).tolist(), strict=True))
+    found = dict(zip(asked, expit(signs(asked) @ weights()[view]).tolist(), strict=True))
     if view.startswith(view_of(2)):
         found |= {pair: max(found[pair], HOLD_EACH_OTHER) for pair in asked if _hold_each_other(*pair, asked)}
     return found

@@ -44,7 +44,9 @@ class Reason(Word):
     COUNTERWEIGHT = "counterweight"
     """The other holds it in place by its weight."""
     BLOCKING = "blocking"
-    """It is in the way of lifting the other."""
+    """It is in the way of taking the other."""
+    MEASURED = "measured"
+    """It moved when an arm began to lift the other."""
 
 
 REASONS = tuple(Reason)
@@ -63,7 +65,7 @@ class Dependency:
         reason: Why; a string of one of its values is taken for it.
         confidence: 0..1.
         evidence: The relations it rests on: of the two as they lie, of those through which they hang
-            together, or of `then` with all that it passes on its way up.
+            together, or of `then` with all that it passes on its way out.
         lies: "on" or "in" where a person would say of what leans that it lies there; it changes words alone.
     """
 
@@ -191,7 +193,7 @@ def dependencies(
 ) -> DependencyGraph:
     """Find what must go before what.
 
-    Two questions are asked of every pair: does the straight lift of `then` run into `first`
+    Two questions are asked of every pair: does the straight way out of `then` run into `first`
     (`topple.topology.statics.sweep`), and is `first` still in equilibrium once `then` is gone
     (`topple.topology.statics.rest`)?
 
@@ -227,12 +229,29 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
     situation = situation.sized
     statics, cameras = situation.statics, len(situation.scene.viewpoints)
     asked = disturbances(situation)
-    weighed = partial(chances, surfaces=statics.surfaces, view=seen_by(situation.scene))
+    weighed = partial(chances, view=seen_by(situation.scene))
     asked = without_cascades(asked, counting(asked, weighed(asked), cameras), statics)
     chance = weighed(asked)
     edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in counting(asked, chance, cameras)]
     told = {(edge.first, edge.then): edge.confidence for edge in edges}
     return DependencyGraph(situation.movable, tuple(edges)), overlooked(statics, cameras) | told
+
+
+def with_measured(
+    graph: DependencyGraph, measured: Collection[Pair], situation: Situation
+) -> DependencyGraph:
+    """What had better go first where some lifts were tried: a circle is never made of it.
+
+    Args:
+        graph: The dependencies that were reasoned.
+        measured: (first, then) where lifting `then` moved `first`.
+        situation: What is seen.
+    """
+    for first, then in sorted(measured):
+        if {first, then} <= set(graph.names) and then not in graph.before(first):
+            edge = Dependency(first, then, Reason.MEASURED, 1.0, situation.chain(first, then))
+            graph = DependencyGraph.of(graph.names, (*graph.dependencies, edge))
+    return graph
 
 
 def counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:

@@ -16,6 +16,7 @@ from topple.topology.situation.situation import Situation
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap, overlap
 from topple.topology.statics.tolerances import GUESSED, SWEEP_CELL
+from topple.topology.statics.way_out import along
 
 Pair = tuple[str, str]
 """(first, then): whether taking `then` moves `first`."""
@@ -26,12 +27,14 @@ class Disturbance:
     """What speaks for it that taking `then` moves `first`.
 
     Attributes:
-        over: How `first` hangs over `then`, both with their hidden sides; None where it does not.
+        over: How `first` hangs over `then`, both with their hidden sides, or stands before it where `then`
+            goes out level; None where it does not.
         seen: The same of what was seen of them.
         unheld: Share of its weight that nothing carries without `then`, 0..1; where surfaces are whole, 1 of
             what falls.
         up: Upward part of the mean contact normal from `then` into `first`; None where they do not touch.
         depth: How deep [m] their completed surfaces lie in each other, of those that hang over each other.
+        ahead: By how much [m] the near and the far end of `first` are further along the way out of `then`.
     """
 
     over: Overlap | None
@@ -39,6 +42,7 @@ class Disturbance:
     unheld: float
     up: float | None
     depth: float
+    ahead: tuple[float, float] = (0.0, 0.0)
 
     @property
     def meets(self) -> bool:
@@ -71,18 +75,22 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
     """
     statics = situation.statics
     seen, touching = statics.upright.clouds, statics.touching
-    over, unheld = _hanging(statics), _unheld(statics)
+    outwards = {then: situation.outwards(then) for then in situation.movable}
+    over, unheld = _hanging(statics, outwards), _unheld(statics)
     depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
     found: dict[Pair, Disturbance] = {}
     for first, then in permutations(situation.movable, 2):
         hangs, together = over.get((first, then)), situation.hang_together(first, then)
         if hangs is not None or together:
+            axes = outwards[then]
+            here, there = (along(axes, statics.surfaces[name])[:, 2] for name in (first, then))
             found[first, then] = Disturbance(
                 hangs,
-                None if hangs is None else overlap(seen[first], seen[then]),
+                None if hangs is None else overlap(along(axes, seen[first]), along(axes, seen[then])),
                 unheld[then].get(first, 0.0) if together else 0.0,
                 touching.get((then, first)),
                 0.0 if hangs is None else depth.get(frozenset((first, then)), 0.0),
+                (float(here.min() - there.min()), float(here.max() - there.max())),
             )
     return found
 
@@ -151,16 +159,21 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     return {name: far for name, far in lost.items() if name not in freed or name in unheld}
 
 
-def _hanging(statics: Statics) -> dict[Pair, Overlap]:
+def _hanging(statics: Statics, outwards: Mapping[str, FloatArray]) -> dict[Pair, Overlap]:
     """(first, then) -> how first hangs over then, where no board that never moves is between them."""
     surfaces, movable = statics.surfaces, statics.upright.movable
     stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in movable}
-    return {
-        (first, then): over
-        for first, then in _over_each_other(surfaces, movable)
-        if float(surfaces[then][:, 2].max()) >= stands_at[first] - BOARD
-        and (over := overlap(surfaces[first], surfaces[then])) is not None
-    }
+    found: dict[Pair, Overlap] = {}
+    for axes in {frame.tobytes(): frame for frame in outwards.values()}.values():
+        level = axes[2, 2] < 1.0
+        bodies = {name: along(axes, surfaces[name]) for name in movable}
+        for first, then in _over_each_other(bodies, movable):
+            if not np.array_equal(outwards[then], axes):
+                continue
+            if level or float(surfaces[then][:, 2].max()) >= stands_at[first] - BOARD:
+                over = overlap(bodies[first], bodies[then])
+                found |= {} if over is None else {(first, then): over}
+    return found
 
 
 def _over_each_other(surfaces: Mapping[str, FloatArray], names: Sequence[str]) -> list[Pair]:

@@ -28,6 +28,7 @@ WORDS = {
     "contained": "is inside",
     "blocking": "blocks",
     "counterweight": "is balanced by",
+    "measured": "moved with",
     "rests": "rests on",  # and of a support
     "leans": "leans on",
 }

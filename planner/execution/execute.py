@@ -1,7 +1,7 @@
 """Carries out one transfer with an arm in the world, noticing when the object is not in the hand any more."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,19 +15,22 @@ from topple.planner.execution.tolerances import (
     RESUMED,
     SHALLOW,
     SHUT,
+    SLOW,
+    SLOW_WAY,
     SPEED,
     STILL,
     TOUCHDOWN,
 )
+from topple.planner.execution.watch import Lookout
 from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.grasp.tolerances import RELEASE_GAP
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import Trajectory, retime
-from topple.planner.transfer.segments import Segment, SegmentKind
+from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_than
 from topple.planner.transfer.tolerances import MARGIN
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.driver import Driver, Motion
+from topple.robots.driver import Driver, Interruptible, Motion
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
@@ -57,6 +60,7 @@ class Outcome:
         tool_path: (k, 3) planned positions of the tool in the world [m], of the segments that were driven.
         stuck: The hand does not let go of the object: the arm must stay where it is.
         motion: The planned motion of the segments that were driven, for pictures.
+        moved: What was seen to move as the object was lifted, with how far [m]: the object was put back.
     """
 
     success: bool
@@ -64,35 +68,42 @@ class Outcome:
     tool_path: FloatArray
     stuck: bool = False
     motion: ArmMotion | None = None
+    moved: Mapping[str, float] = field(default_factory=dict[str, float])
 
 
 class HandStuck(ToppleError):
     """A hand does not let go: wherever the arm went, it would drag what it holds along."""
 
 
-def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Outcome:
+def execute(
+    transfer: Transfer, robot: Driver, watch: Watch | None = None, lookout: Lookout | None = None
+) -> Outcome:
     """Drives the segments one after the other.
 
     A grasp that closes on nothing, a cup that does not seal or an object lost on the way ends it: the hand
     opens and the arm goes straight up, so that the next look finds it out of the way. An arm that was pushed
-    off its path comes back to it and goes on.
+    off its path comes back to it and goes on. An object whose lift moves another one is put back.
 
     Args:
         transfer: What to do; it should start where the arm is.
         robot: The arm.
         watch: What looks on, if anything.
+        lookout: What the first of a lift is watched with, by an arm that can be stopped.
     """
     done: list[Segment] = []
     ended: list[Segment] = []
     watch = watch or _nobody
     resumed: list[str] = []
-    problem = None
+    problem, moved = None, dict[str, float]()
     try:
         for segment in transfer.segments:
             if segment.kind is SegmentKind.RELEASE:
                 watch(LET_GO, segment.tool)
-            problem = _drive(segment, transfer.object, robot, resumed)
-            if segment.trajectory is not None:
+            if segment.kind is SegmentKind.LIFT and lookout is not None and isinstance(robot, Interruptible):
+                segment, moved = _begin_lift(segment, transfer, robot, lookout)
+                problem = _told(moved, transfer.object) if moved else None
+            problem = problem or _drive(segment, transfer.object, robot, resumed)
+            if segment.trajectory is not None and not moved:
                 done.append(segment)
             if problem is not None:
                 watch(MISSED, segment.tool)
@@ -111,7 +122,53 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
     put = f"{transfer.object} {'is held' if kept else 'was put down'}, {transfer.placement.rest}."
     off = f"The arm was off its path during the {' and the '.join(resumed)}." if resumed else None
     text = " ".join(filter(None, (problem or put, off)))
-    return Outcome(problem is None, text, _tool_path(done, robot), motion=_motion(transfer, ended, robot))
+    way, motion = _tool_path(done, robot), _motion(transfer, ended, robot)
+    return Outcome(problem is None, text, way, motion=motion, moved=moved)
+
+
+def _begin_lift(
+    segment: Segment, transfer: Transfer, robot: Driver, lookout: Lookout
+) -> tuple[Segment, Mapping[str, float]]:
+    """Lift slowly for a few centimetres, watched; down again where that moves something.
+
+    Returns:
+        What is left of the lift, and what was seen to move, by how far [m].
+    """
+    assert isinstance(robot, Interruptible) and segment.trajectory is not None
+    path = segment.trajectory.positions
+    places = robot.arm.tool_pose(path, segment.tool)[:, :3, 3]
+    ways = np.linalg.norm(places - places[0], axis=1)
+    first = min(int(np.searchsorted(ways, SLOW_WAY)) + 1, len(path))
+    slow = no_faster_than(retime(robot.arm, path[:first], SPEED), float(ways[first - 1]), SLOW)
+    beside = robot.q_target - path[0]  # a hand gives way as it closes
+    watch = lookout.over(transfer, robot, slow.positions + beside)
+    for _ in range(len(lookout.images)):
+        robot.wait(STILL)
+        if not watch.refer():
+            break
+    robot.follow_while(slow, watch.still)
+    if watch.moved:
+        robot.follow(_backwards(slow, robot.q_target - beside), keep_offset=True)
+        return segment, watch.moved
+    rest = path[first - 1 :]
+    trajectory = None
+    if len(rest) > 1:
+        speed = float(ways[-1]) / float(segment.trajectory.times[-1])
+        trajectory = no_faster_than(retime(robot.arm, rest, SPEED), float(ways[-1] - ways[first - 1]), speed)
+    return replace(segment, trajectory=trajectory), {}
+
+
+def _told(moved: Mapping[str, float], name: str) -> str:
+    """What was seen, in a sentence."""
+    some = " and ".join(f"{other} by {1e3 * off:.1f} mm" for other, off in sorted(moved.items()))
+    return f"{name} was put back: lifting it moved {some}."
+
+
+def _backwards(path: Motion, q: FloatArray) -> Trajectory:
+    """The way back along a path from joint values (n,) on it."""
+    come = max(int(np.abs(path.positions - q).max(axis=1).argmin()) + 1, 2)
+    positions, velocities = path.positions[:come][::-1], -path.velocities[:come][::-1]
+    return Trajectory(path.times[:come], positions, velocities)
 
 
 def _nobody(_moment: str, _tool: str) -> None:
@@ -150,15 +207,7 @@ def retreat(done: list[Segment], robot: Driver) -> None:
     if last is None:
         return
     if last.kind is SegmentKind.APPROACH and last.trajectory is not None:
-        path = last.trajectory
-        come = int(np.abs(path.positions - robot.q_target).max(axis=1).argmin()) + 1  # it may have stopped
-        if come > 1:
-            positions, velocities = path.positions[:come][::-1], -path.velocities[:come][::-1]
-            robot.follow(
-                type(path)(
-                    path.times[:come], np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
-                )
-            )
+        robot.follow(_backwards(last.trajectory, robot.q_target))  # it may have stopped before its end
     robot.extend(robot.arm.on_the_way(0.0).cup_extension)
     robot.open()
 

@@ -14,6 +14,7 @@ from topple.planner.execution.masks import misnamed, renamed
 from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
 from topple.robots.driver import Driver
+from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
@@ -91,6 +92,7 @@ class Observer:
         photographer: What takes photos for people of the world, for a report; None takes none.
         robots: Those in the pictures: what is seen at them is nobody's, and what else has no mask is matter;
             None where that is not known, and nothing is.
+        period: Time between pictures that the cameras stream in turn [s].
     """
 
     world: PhysicalWorld
@@ -104,10 +106,12 @@ class Observer:
     relate: Relate | None = None
     photographer: Callable[[], Photo] | None = None
     robots: Sequence[Driver] | None = None
+    period: float = 1.0 / 15.0
 
     def __post_init__(self) -> None:
         self._frames = Frames(self.cameras)
         self._last: Scene | None = None
+        self._glimpsed, self._turn, self._stream = -self.period, -1, self.rng.spawn(1)[0]
         self._kept: tuple[DepthImage, ...] = ()  # taken by another camera, of what is still as it was then
 
     def look(self, expected: Scene | None = None, more: Sequence[DepthImage] = ()) -> Look:
@@ -156,6 +160,14 @@ class Observer:
         relations = None if self.relate is None else self.relate(scene)
         shown = _seen(images[0]) if photo is None else picture(photo.rgb)
         return Look(images, Situation(scene, relations), shown, surprises, faults, photo, taken)
+
+    def glimpse(self) -> Sequence[DepthImage]:
+        """A coarse picture, as cameras stream them in turn, where one came since the last time."""
+        if self.world.time < self._glimpsed + self.period - self.world.time_step / 2.0:
+            return ()
+        self._glimpsed, self._turn = self.world.time, (self._turn + 1) % len(self.cameras)
+        eye = self.cameras[self._turn]
+        return ((eye.coarse() if isinstance(eye, Camera) else eye).look(self.world, self._stream),)
 
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]

@@ -20,6 +20,7 @@ from topple.planner.execution.second_look import HandCamera, doubtful, second_lo
 from topple.planner.execution.selection import RunLimits, StepSelector
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.two_arms import TwoArms
+from topple.planner.execution.watch import Lookout, worth_watching
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
@@ -44,7 +45,6 @@ from topple.topology.situation.situation import Situation
 
 log = logging.getLogger(__name__)
 
-
 Progress = Callable[[str], None]
 
 
@@ -67,14 +67,12 @@ class ClosedLoop:
         progress: Called with a line before and after each action.
         judge: What watches from outside and says what was disturbed; by default nothing does.
         wrist: A camera that the arm carries, for a second look before a doubtful step.
-        ahead: Whether another process chooses the next step while the arm acts, from the scene as it should
-            be by then. Where the look shows it so, and the step can be proven on what is seen, it is done.
-            With a second arm every step is chosen after the look.
+        ahead: Whether another process chooses the next step while the arm acts, from the scene foreseen. If
+            the look shows it and proves the step, it is done. With a second arm steps wait for the look.
         second: An arm beside it that holds what would not stand; the orderer is told of two hands then.
         fixture: What keeps things where they stand, and lets go of one once the hand holds it.
         away: Where things go that are taken; to free places on what is seen where None.
-        hand_on: Called with the name of what `away` leaves in the hand: a skill of your own takes it from
-            there, and leaves the hand empty where it is.
+        hand_on: Called with the name of what `away` leaves in the hand: your own skill then empties it.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -315,7 +313,9 @@ class ClosedLoop:
         here = name in expected.clouds
         predicted = look.relations.updated(name, expected.clouds[name]) if here else seen.relations
         different = unexpected(predicted, seen.relations)
-        self._selector.record_look(chosen, outcome.success, seen.surprises, different)
+        was, now = expected.clouds, seen.scene.clouds  # of what is hidden the cloud is kept
+        changed = [n for n in seen.surprises if now.get(n) is not was.get(n)]
+        self._selector.record_look(chosen, outcome, seen.surprises, changed, different)
         events += [*seen.faults, *seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
@@ -364,15 +364,18 @@ class ClosedLoop:
 
     def _carried_out(self, look: Look, chosen: NextStep) -> tuple[Outcome, Scene]:
         """Does a step and brings the arms out of the way; gives also the scene as it should be then."""
-        name = chosen.transfer.object
-        outcome = self._arms.carry_out(chosen, self.judge.moment)
+        name, grip = chosen.transfer.object, chosen.grip or self._arms.grip
+        away = {*chosen.transfer.riding, *self._selector.moved_with(name)}
+        named = worth_watching(look.situation, chosen.order, name) - away - ({grip.object} if grip else set())
+        lookout = Lookout.of(self.perception, look.images, look.situation, named)
+        outcome = self._arms.carry_out(chosen, self.judge.moment, lookout)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
         how = chosen.transfer.placement.how
         if outcome.success and how in (*IN_HAND, Away.BIN):
             self._gone.update((name, *chosen.transfer.riding))
             if how in IN_HAND and self.hand_on is not None:
                 self.hand_on(name)
-        # bodies that moved are known at once, those of clouds that moved take the arm's time
+        # bodies that moved are known at once, those of clouds take the arm's time
         bodies = foreseen.solids if self._selector.preparer.on else Situation(foreseen.scene).solids
         outcome = self._arms.finish(chosen, outcome, bodies)
         if outcome.stuck:
@@ -385,7 +388,7 @@ class ClosedLoop:
         if outcome.success:
             self.followed.append(chosen)
             return []
-        if outcome.stuck:
+        if outcome.stuck or outcome.moved:
             return [outcome.text]
         left = self._selector.tries_left(chosen.transfer.object)
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
@@ -393,5 +396,5 @@ class ClosedLoop:
 
     def _say(self, line: str) -> None:
         log.info(line)
-        if self.progress is not None:
+        if self.progress:
             self.progress(line)

@@ -67,18 +67,28 @@ class Memory:
         some = (*self.placed.get(name, ()), transfer.grasp)
         return {**others, name: tuple(one.moved(pose) for one in some)}
 
-    def after_look(self, chosen: NextStep, success: bool, surprises: Collection[str] = ()) -> "Memory":
+    def after_look(
+        self,
+        chosen: NextStep,
+        success: bool,
+        surprises: Collection[str] = (),
+        changed: Collection[str] = (),
+        moved: Collection[str] = (),
+    ) -> "Memory":
         """What is remembered once a look followed a step.
 
         Args:
             chosen: The step.
             success: Whether it was done.
             surprises: Objects that were not seen where they should be.
+            changed: Those of them that were seen elsewhere.
+            moved: What moved as the object was lifted, which was put back then.
         """
         handled = {chosen.transfer.object, *chosen.transfer.riding}
         alone = handled if success and chosen.action is not Action.PLACE else ()
         beliefs = self.beliefs.after(chosen.order.chances, handled | set(surprises), alone)
-        return replace(self, beliefs=beliefs)
+        changed = {*changed, *(handled if success else ())}
+        return replace(self, beliefs=beliefs.taught(changed, moved, chosen.transfer.object))
 
     def context(
         self, station: Station, orderer: Orderer, grasps: Mapping[str, Sequence[Grasp]], seed: int, most: int

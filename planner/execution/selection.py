@@ -97,10 +97,23 @@ class StepSelector:
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
 
+        What a watched lift moved goes first where that can be; where it cannot, that lift is tried again.
+
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
-        return self._chooser(look, goal).choose()
+        try:
+            return self._chooser(look, goal).choose()
+        except NoSafePlan:
+            if not self._memory.beliefs.measured:
+                raise
+        context = self._context(self._memory)
+        context = replace(context, beliefs=replace(self._memory.beliefs, measured=frozenset()))
+        return self.task.chooser(look.situation, goal, context).choose()
+
+    def moved_with(self, name: str) -> set[str]:
+        """What a lift of an object was seen to move, both being as they were."""
+        return {first for first, then in self._memory.beliefs.measured if then == name}
 
     def next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
         """The step that was decided with a hold or prepared, where that can be done; else one chosen now.
@@ -155,7 +168,8 @@ class StepSelector:
         """
         name = chosen.transfer.object
         attempts = self._memory.attempts[name] + 1
-        self._memory = self._memory.after_action(chosen, outcome.success, outcome.stuck)
+        grasp_holds = outcome.stuck or bool(outcome.moved)
+        self._memory = self._memory.after_action(chosen, outcome.success, grasp_holds)
         self._ahead = Ahead.of(chosen.order, outcome.success)
         return attempts
 
@@ -164,17 +178,23 @@ class StepSelector:
         return self._attempts - self._memory.failures(name)
 
     def record_look(
-        self, chosen: NextStep, success: bool, surprises: Collection[str], different: Sequence[str]
+        self,
+        chosen: NextStep,
+        outcome: Outcome,
+        surprises: Collection[str],
+        changed: Collection[str],
+        different: Sequence[str],
     ) -> None:
         """Remember what the look after a step showed.
 
         Args:
             chosen: The step.
-            success: Whether it was done.
+            outcome: What became of it.
             surprises: Objects that were not seen where they should be.
+            changed: Those of them that were seen elsewhere.
             different: Relations that are not as predicted, in words: what is being prepared was not for this.
         """
-        self._memory = self._memory.after_look(chosen, success, surprises)
+        self._memory = self._memory.after_look(chosen, outcome.success, surprises, changed, outcome.moved)
         if different:
             self.preparer.drop()
 

@@ -1,5 +1,9 @@
 """Thresholds of execution, each with its unit and reason, by the module that asks them."""
 
+from topple.planner.tolerances import DISTURBED
+from topple.topology.kernels.tolerances import FAR as FAR_BORDER
+from topple.topology.statics.tolerances import FARTHEST
+
 # -- attained
 
 BEARS = 0.5
@@ -237,3 +241,18 @@ ITSELF = 1.5
 
 ROUGH = 0.004
 """[m] more where the body was rebuilt from a cloud: a can of which one side was guessed is as uneven."""
+
+
+# -- watch
+
+SLOW = DISTURBED / JOINING
+"""[m/s] of a lift's first way, while what stays is watched: a picture every 1.3 mm."""
+
+SLOW_WAY = FARTHEST
+"""[m] of a lift that is watched: what leans on a thing or hooks it has moved by then."""
+
+HINT = DISTURBED / 2.0
+"""[m] by which a thing that is watched may be off: a hint of a move, in time to end it."""
+
+TILE = FAR_BORDER
+"""Pixels a side of what is compared: 27 mm at 0.8 m, of which 81 pixels know 0.2 mm."""

@@ -32,11 +32,11 @@ def grasp_candidates(
 ) -> list[Grasp]:
     """Find where an object can be taken hold of in its present surroundings.
 
-    Pinches are looked for at points spread over the object, across its narrow sides, straight down and
-    tilted; suction on smooth patches that face up, and where that is sure to hold, no pinch is looked for.
-    Hands that would meet the object, its neighbours or the table on the way in are left out; grasps that its
-    weight, given or likely, would turn in the hand come last; there are none of what is given to be heavier
-    than the hand can hold. What the arm can reach is not asked here.
+    Pinches are looked for at points spread over the object, across its narrow sides, straight against its way
+    out, which is mostly down, and tilted; suction on smooth patches that face up, and where that is sure to
+    hold, no pinch is looked for. Hands that would meet the object, its neighbours or the table on the way in
+    are left out; grasps that its weight, given or likely, would turn in the hand come last; there are none of
+    what is given to be heavier than the hand can hold. What the arm can reach is not asked here.
 
     Args:
         name: The object.

@@ -17,7 +17,7 @@ class Frames:
     Attributes:
         origin: (3,) point of the object [m].
         rotations: (F, 3, 3), each with columns x, y (closing), z (approach) in the world.
-        tilts: (F,) angles between the approaches and straight down [rad].
+        tilts: (F,) angles between the approaches and straight against the way out [rad].
     """
 
     origin: FloatArray
@@ -30,8 +30,8 @@ def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int 
 
     Args:
         surface: The object.
-        up: (3,) unit vector against gravity.
-        tilts: Angles between the approach and straight down, about the closing axis [rad].
+        up: (3,) unit vector along which it goes; up here is that way, be it level.
+        tilts: Angles between the approach and straight against it, about the closing axis [rad].
         count: Points of the object to try.
 
     Yields:

@@ -68,7 +68,7 @@ class Jaw(HandShape):
         for tilts in (tolerances.tilts, tolerances.steep_tilts):
             if len(found) >= tolerances.enough:
                 break
-            for directions in frames(surface, sought.up, tilts):
+            for directions in frames(surface, sought.out, tilts):
                 some = pinches(directions, sought, self)
                 found += some
                 roomy += sum(grasp.terms["clearance"] == 1.0 for grasp in some)

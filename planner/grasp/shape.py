@@ -42,6 +42,7 @@ class Sought:
         solid: What it fills, in convex parts.
         around: Points of everything else nearby, and the ground.
         up: (3,) unit vector against gravity.
+        out: (3,) unit vector along which it goes: fingers come in against it.
         tolerances: Clearances and limits.
         dropped: Takes down what is left out and why.
         enough: So many grasps that brush by nothing are enough.
@@ -53,6 +54,7 @@ class Sought:
     solid: Sequence[Hull]
     around: Surroundings
     up: FloatArray
+    out: FloatArray
     tolerances: GraspTolerances
     dropped: Dropped
     enough: float = np.inf
@@ -76,7 +78,8 @@ class Sought:
         tolerances = replace(tolerances, friction=scene.friction.get(name, tolerances.friction))
         solid = [Hull.of(part) for part in situation.solids[name]]
         dropped = Dropped() if dropped is None else dropped
-        return cls(name, scene.clouds[name], surface, solid, around, up, tolerances, dropped, enough)
+        out = situation.way_out(name)
+        return cls(name, scene.clouds[name], surface, solid, around, up, out, tolerances, dropped, enough)
 
 
 @dataclass(frozen=True, eq=False)

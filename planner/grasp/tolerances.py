@@ -19,7 +19,7 @@ class GraspTolerances:
         under_clearance: Distance kept between the finger tips and what lies beneath.
         stray_points: So many points in the way count as noise (flying pixels), not as a thing.
         depths: Tried depths of the finger tips below the object's top between the pads, least first.
-        tilts: Tried angles between the approach and straight down, about the closing axis.
+        tilts: Tried angles between the approach and the way out reversed, about the closing axis.
         steep_tilts: Tried where those find fewer than `enough` grasps.
         enough: So many grasps leave the arm a choice.
         reach: Only points this close to a grasp can touch the hand.

@@ -254,18 +254,19 @@ class Receiver:
         return Placement(pose, 1.0 - 0.1 * min(yaw, YAWS - yaw) / YAWS, words, drop, how=self.how)
 
     def _clear(self, name: str, situation: "Situation", beside: Solids) -> list[Placement]:
-        """Straight up until nothing is near; then the same nearer to the arm, and before it."""
+        """Straight the way out until nothing is near; then the same nearer to the arm, and before it."""
         own, middle = situation.solids[name], situation.scene.clouds[name].mean(axis=0)
         others = {**situation.solids, **beside}
         rest = [part for other, parts in others.items() if other != name for part in parts]
         up, base = situation.up, self.pose_base_to_world
+        out, where = situation.way_out(name), "up" if situation.goes_up(name) else "out"
         inwards = base[:3, 3] + AHEAD * base[:3, 0] - middle
         inwards -= float(inwards @ up) * up
         found: list[Placement] = []
         for share in TOWARDS:
             aside = middle + share * inwards
             for rise in np.arange(RAISED, HIGHEST, 0.02).tolist():
-                place = self._put(situation, middle, aside + rise * up, 0, f"{1e2 * rise:.0f} cm up")
+                place = self._put(situation, middle, aside + rise * out, 0, f"{1e2 * rise:.0f} cm {where}")
                 if apart(moved(own, place.pose_before_to_after), rest, LIFT_CLEAR):
                     found.append(place)
                     break

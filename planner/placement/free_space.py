@@ -15,6 +15,7 @@ from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.situation.situation import Situation
+from topple.topology.statics.tolerances import LIFT
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +74,8 @@ def free_spaces(
 ) -> tuple[FreeSpace, ...]:
     """Map what of every top is free, everything on it seen from straight above.
 
-    The way out of an object is its column, straight up, and half an open hand's width around it. A place
+    The way out of an object is its column, straight up, or what it slides over where something fixed is over
+    it, and half an open hand's width around it. A place
     under a fixed board is free where there is room below it for what is put down and for the hand.
 
     Args:
@@ -132,6 +134,8 @@ def _free_space(
         free &= ~taken
         if name in remaining:
             clear &= ~taken
+            for part in () if situation.goes_up(name) else solids[name]:
+                clear &= ~_within(middles, np.vstack([part, part + LIFT * situation.way_out(name)]) @ axes.T)
     for part in solids.get(MATTER, ()):
         heights = top.above(part)
         if heights.max() > SKIN and heights.min() < tall + tolerances.headroom:

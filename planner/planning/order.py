@@ -13,7 +13,13 @@ from topple.planner.building.apart import taking_apart
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
-from topple.planner.decide.dependency import DependencyGraph, dependencies, reasoned, with_fixture
+from topple.planner.decide.dependency import (
+    DependencyGraph,
+    dependencies,
+    reasoned,
+    with_fixture,
+    with_measured,
+)
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
@@ -64,7 +70,7 @@ def order(
             what must be, if that makes it less likely that anything moves: what touches a thing and is
             higher than it may lean on it unseen.
         beliefs: What earlier looks made of the same things: the risk is by all looks, what has to go before
-            what by this one.
+            what by this one and by the lifts that were watched.
         check_gravity: Whether a scene is refused that would stand with another `up`. In one that is planned
             on, things may hang.
         hands: How many hands there are, one that takes and those that hold meanwhile. With it every step is
@@ -97,7 +103,9 @@ def order(
     statics = sized.statics
     if check_gravity:
         check_up(sized.scene, statics)
+    beliefs = beliefs or Beliefs()
     full, chance = reasoned(situation)
+    full = with_measured(full, beliefs.measured, situation)
     check_masks(situation, wanted, full)
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, situation.statics))
@@ -106,6 +114,8 @@ def order(
 
         votes = ask(situation.statics, full, seed)
         chance = chances(chance, votes, len(scene.viewpoints) or None)
+        level = [edge for edge in full.dependencies if not sized.goes_up(edge.then)]  # simulation lifts
+        chance |= {(edge.first, edge.then): edge.confidence for edge in level}
         full = _witnessed(confirmed(full, chance, votes), situation)
         notes = {"trials": votes.trials}
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
@@ -113,7 +123,7 @@ def order(
     if fixture:
         full, chance = _kept_still(full, chance, statics, fixture)
     edges = {(edge.first, edge.then) for edge in full.dependencies}
-    risked = (beliefs or Beliefs()).weighed(chance, edges)
+    risked = beliefs.weighed(chance, edges)
     found = arrange(full.reduced(), wanted, tops, sized.supports, said, risked, removal_risk, apart)
     found = replace(found, verified=verify, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)

@@ -29,6 +29,7 @@ REASON_COLOURS: dict[str, Colour] = {
     "contained": (0, 128, 128),
     "blocking": (142, 68, 173),
     "counterweight": (121, 85, 72),
+    "measured": (183, 28, 28),
 }
 """One colour for each reason a dependency can have, as it is said."""
 

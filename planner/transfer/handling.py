@@ -16,7 +16,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
-from topple.planner.transfer.tolerances import MARGIN, SEEDS, STRAIN_STEP
+from topple.planner.transfer.tolerances import MARGIN, RAISED, SEEDS, STRAIN_STEP
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
 
@@ -164,11 +164,15 @@ class Handling(Checks):
         return stage
 
     def lift(self, state: Reached, length: float, log: FailureLog) -> Stage:
-        """Straight up with the object."""
-        target = self.tool_pose(state.grasp)
-        target[:3, 3] += length * self.up
+        """Straight the way out with the object: off what it stands on first, where that is not up."""
         stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
-        self._straight(stage, state, target)
+        out = self.situation.way_out(self.name)
+        first = [] if self.situation.goes_up(self.name) else [RAISED * self.up]
+        ways = [*first, length * out]
+        targets = [self.tool_pose(state.grasp) for _ in ways]
+        for target, way in zip(targets, np.cumsum(ways, axis=0), strict=True):
+            target[:3, 3] += way
+        self._straight(stage, state, *targets)
         self.bears(stage, state.grasp)
         return stage
 
@@ -184,10 +188,15 @@ class Handling(Checks):
             stage.path = None
         return stage.path is not None
 
-    def _straight(self, stage: Stage, state: Reached, target: FloatArray, backwards: bool = False) -> None:
-        """Give a stage the straight way from a state to a tool pose (4, 4) in the world, if there is one."""
-        lines = straight_lines(self.arm, state.q[None], (self.world_to_base @ target)[None], state.grasp.tool)
-        stage.straight(lines[0], state.q, backwards)
+    def _straight(self, stage: Stage, state: Reached, *targets: FloatArray, backwards: bool = False) -> None:
+        """Give a stage the straight way from a state past tool poses (4, 4) in the world, if there is one."""
+        path: FloatArray | None = state.q[None]
+        for target in targets:
+            if path is not None:
+                to = (self.world_to_base @ target)[None]
+                line = straight_lines(self.arm, path[-1:], to, state.grasp.tool)[0]
+                path = None if line is None else np.concatenate([path, line[1:]])
+        stage.straight(path, state.q, backwards)
 
     def open_ends(
         self, grasp: Grasp, places: Sequence[Placement], drop: float, retreat: float, log: FailureLog

@@ -19,7 +19,7 @@ class TransferLimits:
         reached: Reachable grasp states to follow up.
         goals: Placements a motion is planned to at once.
         approach: Straight way in before the grasp [m].
-        lift: Straight way up after it [m].
+        lift: Straight way out after it [m].
         drop: Straight way down before the release [m].
         fall: How far more a thing may fall where no hand gets down with it [m]: crockery stands it.
         retreat: Straight way out after it [m].

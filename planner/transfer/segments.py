@@ -18,7 +18,7 @@ class SegmentKind(Word):
     GRASP = "grasp"
     """Close, or switch the vacuum on."""
     LIFT = "lift"
-    """Straight up."""
+    """Straight up; from under a board a little up and straight out."""
     TRANSFER = "transfer"
     """Carrying, to above the place."""
     PLACE = "place"

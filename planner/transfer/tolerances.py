@@ -14,6 +14,9 @@ CONTACT = 0.006
 SEEDS = 24
 """Random starts of inverse kinematics for each pose: finds nearly all that are reachable."""
 
+RAISED = 0.02
+"""What slides out is lifted by so much first [m]: it does not drag, and boards are no more uneven."""
+
 STRAIN_STEP = 0.05
 """[rad] between states that joints are asked to hold: what gravity asks changes by a twentieth at most."""
 

@@ -4,7 +4,7 @@ Nothing here tells what the arm is about to take or what it meets: a driver move
 a force, the pads' distance and the vacuum.
 """
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Protocol, runtime_checkable
 
 from topple.robots.arm.arm import Arm
@@ -117,6 +117,23 @@ class Driver(Protocol):
 
     def wait(self, seconds: float) -> None:
         """Hold still for a time in [s]."""
+        ...
+
+
+@runtime_checkable
+class Interruptible(Protocol):
+    """What a driver offers besides whose motions can be stopped by what others see."""
+
+    def follow_while(self, trajectory: Motion, going: Callable[[], bool]) -> float:
+        """Follow a joint trajectory, as far beside it as the arm is, for as long as `going` says True.
+
+        Args:
+            trajectory: It should start where the arm is, or near.
+            going: Asked many times a second.
+
+        Returns:
+            The largest joint error at the end, or 0 where it stopped before.
+        """
         ...
 
 

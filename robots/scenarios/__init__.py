@@ -13,6 +13,7 @@ from topple.robots.scenarios.pile import pile
 from topple.robots.scenarios.restack import restack
 from topple.robots.scenarios.scenario import Scenario
 from topple.robots.scenarios.set_table import set_table
+from topple.robots.scenarios.shelf import shelf
 from topple.robots.scenarios.sort import sort
 from topple.robots.scenarios.swap import swap
 from topple.robots.scenarios.tower import tower
@@ -32,6 +33,7 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
         "pack": "topple.robots.scenarios.pack:pack",
         "swap": "topple.robots.scenarios.swap:swap",
         "hold": "topple.robots.scenarios.hold:hold",
+        "shelf": "topple.robots.scenarios.shelf:shelf",
     },
     Scenario,
 )
@@ -39,7 +41,7 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
 
 __all__ = [
     "SCENARIOS", "Scenario", "described", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack",
-    "scenario_called", "set_table", "sort", "swap", "tower",
+    "scenario_called", "set_table", "shelf", "sort", "swap", "tower",
 ]  # fmt: skip
 
 
@@ -58,8 +60,8 @@ def scenario_called(name: str, seed: int = 0, engine: str = DEFAULT_ENGINE) -> S
     """Make a scene by its name.
 
     Args:
-        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, or one that another
-            package adds.
+        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, shelf, or one that
+            another package adds.
         seed: Any number; the same one gives the same scene on the same engine.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`.
 

@@ -4,14 +4,11 @@ import itertools
 
 import numpy as np
 
-from topple.robots.shapes.materials import CARD, FOOD, WOOD
+from topple.robots.shapes.materials import CARD, FOOD, PAINTS, WOOD
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
 from topple.robots.world.bodies import Body, Color
 from topple.topology.base.arrays import FloatArray
 
-CARDBOARD: Color = (0.75, 0.6, 0.4, 1.0)
-TIN: Color = (0.6, 0.15, 0.15, 1.0)
-BEECH: Color = (0.82, 0.68, 0.47, 1.0)
 _SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 
@@ -21,7 +18,7 @@ def box(
     *,
     mass: float | None = None,
     density: float = CARD.density,
-    color: Color = CARDBOARD,
+    color: Color = PAINTS["cardboard"],
     kind: str = "box",
 ) -> Body:
     """A full packet.
@@ -42,13 +39,16 @@ def box(
     return Body.of(name, [corners], mass=mass, density=density, rolling=CARD.rolling, color=color, kind=kind)
 
 
-def block(name: str = "block", side: float = 0.05, *, color: Color = BEECH) -> Body:
+def block(name: str = "block", side: float = 0.05, *, color: Color = PAINTS["beech"]) -> Body:
     """A wooden toy block of the given side in [m], 5 cm and 80 g by default."""
     return box(name, (side, side, side), density=WOOD.density, color=color, kind="block")
 
 
 def bar(
-    name: str = "bar", size: tuple[float, float, float] = (0.22, 0.025, 0.02), *, color: Color = BEECH
+    name: str = "bar",
+    size: tuple[float, float, float] = (0.22, 0.025, 0.02),
+    *,
+    color: Color = PAINTS["beech"],
 ) -> Body:
     """A wooden bar of extents in [m], along x; 70 g by default."""
     return box(name, size, density=WOOD.density, color=color, kind="bar")
@@ -61,7 +61,7 @@ def can(
     height: float = 0.101,
     sides: int = 32,
     mass: float | None = None,
-    color: Color = TIN,
+    color: Color = PAINTS["tin"],
 ) -> Body:
     """A full can.
 
@@ -86,7 +86,7 @@ def tray(
     *,
     wall: float = 0.005,
     mass: float | None = None,
-    color: Color = BEECH,
+    color: Color = PAINTS["beech"],
 ) -> Body:
     """A wooden tray with four upright walls.
 

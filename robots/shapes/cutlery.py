@@ -4,12 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.robots.shapes.materials import STEEL
-from topple.robots.world.bodies import Body, Color
+from topple.robots.shapes.materials import PAINTS, STEEL
+from topple.robots.world.bodies import Body
 from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.scene.mesh import Mesh
-
-SILVER: Color = (0.72, 0.72, 0.76, 1.0)
 
 
 def spoon(name: str = "spoon", *, length: float = 0.195) -> Body:
@@ -94,7 +92,7 @@ def _steel(
     top[..., 0] -= top[..., 0].max() / 2
     top[..., 2] -= (top[..., 2] - thickness[:, None]).min()
     surface, parts = _sheet(top, thickness, cells, joined)
-    return STEEL.body(name, parts, surface, kind=kind, color=SILVER, mass=mass)
+    return STEEL.body(name, parts, surface, kind=kind, color=PAINTS["silver"], mass=mass)
 
 
 def _sheet(

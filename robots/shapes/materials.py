@@ -4,7 +4,7 @@ A contact's coefficient is the product of the two: 0.5 between things and 0.6 on
 what is measured for glaze, steel, card and wood.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from topple.robots.world.bodies import Body, Color
@@ -42,6 +42,21 @@ class Material:
             rolling=self.rolling, color=color, kind=kind,
         )  # fmt: skip
 
+
+PAINTS: Mapping[str, Color] = {
+    "cardboard": (0.75, 0.6, 0.4, 1.0),
+    "tin": (0.6, 0.15, 0.15, 1.0),
+    "beech": (0.82, 0.68, 0.47, 1.0),
+    "mustard": (0.95, 0.78, 0.1, 1.0),
+    "navy": (0.2, 0.25, 0.55, 1.0),
+    "silver": (0.72, 0.72, 0.76, 1.0),
+    "white": (0.93, 0.92, 0.88, 1.0),
+    "blue": (0.35, 0.5, 0.75, 1.0),
+    "red": (0.75, 0.25, 0.2, 1.0),
+    "pine": (0.82, 0.74, 0.6, 1.0),
+    "glass": (0.75, 0.85, 0.6, 1.0),
+}
+"""Red, green, blue and opacity of household things, 0..1."""
 
 STONEWARE = Material(2300.0)  # glazed stoneware and porcelain: 2300 to 2400
 STEEL = Material(7900.0)  # stainless steel 18/10

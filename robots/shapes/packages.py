@@ -4,13 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.robots.shapes.materials import FOOD
+from topple.robots.shapes.materials import FOOD, PAINTS
 from topple.robots.shapes.vessel import circle, closed_surface, rings
 from topple.robots.world.bodies import Body, Color
 from topple.topology.base.arrays import FloatArray
-
-MUSTARD: Color = (0.95, 0.78, 0.1, 1.0)
-NAVY: Color = (0.2, 0.25, 0.55, 1.0)
 
 
 def bottle(
@@ -20,7 +17,7 @@ def bottle(
     depth: float = 0.05,
     height: float = 0.175,
     mass: float | None = None,
-    color: Color = MUSTARD,
+    color: Color = PAINTS["mustard"],
 ) -> Body:
     """A squeeze bottle with an oval body, sloping shoulders and a pointed cap; a mustard bottle by default.
 
@@ -50,7 +47,7 @@ def tin(
     size: tuple[float, float, float] = (0.097, 0.05, 0.082),
     *,
     mass: float | None = None,
-    color: Color = NAVY,
+    color: Color = PAINTS["navy"],
 ) -> Body:
     """A tin with a rectangular base and well rounded corners; one of potted meat by default.
 

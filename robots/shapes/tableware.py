@@ -2,15 +2,11 @@
 
 import numpy as np
 
-from topple.robots.shapes.materials import STONEWARE
+from topple.robots.shapes.materials import PAINTS, STONEWARE
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
 from topple.robots.world.bodies import Body, Color, joined
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.mesh import Mesh
-
-WHITE: Color = (0.93, 0.92, 0.88, 1.0)
-BLUE: Color = (0.35, 0.5, 0.75, 1.0)
-RED: Color = (0.75, 0.25, 0.2, 1.0)
 
 
 def plate(
@@ -39,7 +35,7 @@ def plate(
     ]  # fmt: skip
     stack = rings(circle(24), profile)
     parts = [disc(stack, (2, 3, 7)), *sectors(stack, (3, 4, 5, 6, 7))]
-    return STONEWARE.body(name, parts, closed_surface(stack), kind="plate", color=WHITE)
+    return STONEWARE.body(name, parts, closed_surface(stack), kind="plate", color=PAINTS["white"])
 
 
 def bowl(
@@ -67,7 +63,7 @@ def bowl(
     ]  # fmt: skip
     stack = rings(circle(sides), profile)
     parts = [disc(stack, (0, 5)), *sectors(stack, (0, 1, 4, 5)), *sectors(stack, (1, 2, 3, 4))]
-    return STONEWARE.body(name, parts, closed_surface(stack), kind="bowl", color=BLUE)
+    return STONEWARE.body(name, parts, closed_surface(stack), kind="bowl", color=PAINTS["blue"])
 
 
 def cup(
@@ -76,7 +72,7 @@ def cup(
     diameter: float = 0.08,
     height: float = 0.095,
     sides: int = 16,
-    color: Color = RED,
+    color: Color = PAINTS["red"],
 ) -> Body:
     """A cup without a handle, walls 3.5 mm thick, a little wider at the rim.
 
@@ -114,7 +110,7 @@ def mug(
     stack = _handle(diameter / 2 * 0.94, height)
     parts += [stack[k : k + 2].reshape(-1, 3) for k in range(len(stack) - 1)]
     skin = joined([(one.vertices, one.faces) for one in (surface, closed_surface(stack))])
-    return STONEWARE.body(name, parts, skin, kind="mug", color=RED)
+    return STONEWARE.body(name, parts, skin, kind="mug", color=PAINTS["red"])
 
 
 def _beaker(diameter: float, height: float, sides: int) -> tuple[list[FloatArray], Mesh]:

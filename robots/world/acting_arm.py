@@ -1,6 +1,5 @@
 """An arm that acts in a world, whatever engine plays it: how it follows motions, closes and feels."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
@@ -193,7 +192,19 @@ class ActingArm(ABC):
             The largest joint error at the end in [rad], or 0 where it stopped before.
         """
         self.tare()
-        return self._follow(trajectory, force)
+        return self._follow(trajectory, lambda: self.wrist.force() > force)
+
+    def follow_while(self, trajectory: Motion, going: Callable[[], bool]) -> float:
+        """Follow a joint trajectory beside which the arm stays, and stop where something says so.
+
+        Args:
+            trajectory: It should start where the arm is, or near; the arm stays as far beside it as it is.
+            going: Asked after every time step; False stops the arm.
+
+        Returns:
+            As `follow_until`.
+        """
+        return self._follow(trajectory, lambda: not going(), keep_offset=True)
 
     def tare(self) -> None:
         """Hold still for a moment and take what the wrist feels for its offset and the weight of the hand."""
@@ -203,7 +214,9 @@ class ActingArm(ABC):
             readings.append(self.wrist.reading())
         self.wrist.tare(readings)
 
-    def _follow(self, trajectory: Motion, force: float = math.inf, keep_offset: bool = False) -> float:
+    def _follow(
+        self, trajectory: Motion, stop: Callable[[], bool] = lambda: False, keep_offset: bool = False
+    ) -> float:
         times, steps = trajectory.times, int(np.ceil(trajectory.times[-1] / self.world.time_step))
         short = self.q_target - trajectory.positions[0]
         sampled = np.minimum(np.arange(1, steps + 1) * self.world.time_step, times[-1])
@@ -217,7 +230,7 @@ class ActingArm(ABC):
             v -= 0.0 if keep_offset else short / times[-1]
             self._send(q, v)
             self._advance()
-            if force < math.inf and self.wrist.force() > force:
+            if stop():
                 self.q_target = q
                 return 0.0
             if np.abs((now := self.q) - q).max() > self.control.strayed:

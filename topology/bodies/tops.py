@@ -268,17 +268,20 @@ def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
     if surface is not None:
         return (_Level(*surface, np.ones(len(cloud), dtype=np.bool_)),)
     found: list[_Level] = []
-    left = np.ones(len(cloud), dtype=np.bool_)
+    left = np.ones(len(cloud), dtype=np.bool_)  # planes are drawn from these
+    free = left.copy()  # on no level: a plane that cuts boards aslant takes nothing from them
     grid: _Grid | None = None
     misses = 0
     while misses < MISSES and len(found) < MOST_LEVELS and np.count_nonzero(left) >= TOPS_FEWEST:
         normal, height = _densest(cloud[left], up)
-        inside = left & (np.abs(cloud @ normal - height) <= DEPTH_NOISE)
+        inside = free & (np.abs(cloud @ normal - height) <= DEPTH_NOISE)
         if np.count_nonzero(inside) < max(TOPS_FEWEST, TOPS_LEAST * len(cloud)):
             break
         grid = _Grid.of(cloud, up, cloud[inside]) if grid is None else grid
-        levels = _faces(cloud, inside, left, normal, grid)
-        left &= ~np.any([inside, *(level.members for level in levels)], axis=0)
+        levels = _faces(cloud, inside, free, normal, grid)
+        taken = np.any([inside, *(level.members for level in levels)], axis=0)
+        left &= ~taken
+        free &= ~taken | (not levels)
         misses = 0 if levels else misses + 1
         found += levels
     if grid is None:

@@ -12,7 +12,7 @@ Pixel = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Evidence:
-    """A relation of two objects, as they lie or as one of them is lifted.
+    """A relation of two objects, as they lie or as one of them is taken.
 
     Attributes:
         a: Name of the first object.
@@ -21,9 +21,10 @@ class Evidence:
         gap: Smallest distance of the two surfaces [m], negative by the depth of overlap; of a swept body by
             how far the other has to be pushed aside.
         observed: Whether the cameras saw it; else it was inferred.
-        swept: Whether `a` is taken with all that it passes as it is lifted straight up.
+        swept: Whether `a` is taken with all that it passes on its straight way out.
         pixels: (camera, row, column) of the pictures that show it, a place in each, cameras from 1; empty
             where it was inferred, and where the pictures are not known.
+        level: Whether that way out is level, since something fixed is over `a`.
     """
 
     a: str
@@ -33,6 +34,7 @@ class Evidence:
     observed: bool
     swept: bool = False
     pixels: tuple[Pixel, ...] = ()
+    level: bool = False
 
     @staticmethod
     def of(pair: PairRelation) -> "Evidence":
@@ -48,14 +50,15 @@ class Evidence:
             "gap": round(self.gap, 6),
             "observed": self.observed,
             "swept": self.swept,
-        }
+        } | ({"level": True} if self.level else {})
         return document | ({"pixels": [list(each) for each in self.pixels]} if self.pixels else {})
 
     def __str__(self) -> str:
         """In words, without the names."""
         if self.swept:
             guess = "" if self.observed else ", inferred"
-            return f"lifted, {self.a} would {_MEETS.get(self.relation, 'pass')} it{guess}"
+            taken = "slid out" if self.level else "lifted"
+            return f"{taken}, {self.a} would {_MEETS.get(self.relation, 'pass')} it{guess}"
         if not self.observed:
             return f"{self.relation}, inferred"
         return f"{self.relation}, {_apart(self.gap)}, observed"

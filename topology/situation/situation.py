@@ -9,11 +9,12 @@ import networkx as nx
 import numpy as np
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.bodies.completed import completed_bodies, with_level_undersides
 from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
 from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.bodies.tolerances import GRAIN
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled
@@ -29,6 +30,7 @@ from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
 from topple.topology.statics.tolerances import SHOWN
+from topple.topology.statics.way_out import along, way_out
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,19 +240,23 @@ class Situation:
         return replace(found, pixels=self._shown(np.concatenate(patches), {a, b})) if patches else found
 
     def swept(self, name: str, other: str) -> Evidence:
-        """The relation of an object, with all that it passes as it is lifted straight up, to another one.
+        """The relation of an object, with all that it passes on its straight way out, to another one.
 
         Args:
-            name: What is lifted.
+            name: What is taken.
             other: What may be in its way.
         """
-        body, met = self.surfaces[name], self.surfaces[other]
-        over, clouds = overlap(met, body), self.statics.upright.clouds
+        axes, clouds = self.outwards(name), self.statics.upright.clouds
+        body, met, own, seen = (
+            along(axes, points)
+            for points in (self.surfaces[name], self.surfaces[other], clouds[name], clouds[other])
+        )
+        over, shown = overlap(met, body), overlap(seen, own)
         gap = self.relations.between(name, other).gap if over is None else -over.evasion * self.unit
-        seen = overlap(clouds[other], clouds[name])
-        pixels = () if seen is None else self._shown(seen.places, {other})
+        pixels = () if shown is None else self._shown(along(axes.T, shown.places), {other})
         relation = classify(swept_matrix(body, met))
-        return Evidence(name, other, relation, gap, seen is not None, swept=True, pixels=pixels)
+        level = not self.goes_up(name)
+        return Evidence(name, other, relation, gap, shown is not None, True, pixels, level)
 
     def _shown(self, places: FloatArray, names: Collection[str]) -> tuple[Pixel, ...]:
         """Where pictures show one of upright places (N, 3) [m] as surface of an object named, one in each."""
@@ -262,6 +268,25 @@ class Situation:
             shown = [i for i, label in enumerate(labels) if label and image.name_of(label) in names]
             pixels += [(camera, int(rows[i]), int(columns[i])) for i in shown[:1]]
         return tuple(pixels)
+
+    def way_out(self, name: str) -> FloatArray:
+        """(3,) unit vector along which an object goes when taken: `up`, unless something fixed bars it."""
+        return way_out(self.scene.clouds[name], self._fixed, self.up)
+
+    def goes_up(self, name: str) -> bool:
+        """Whether the way out of an object is up, and not level."""
+        return float(self.way_out(name) @ self.up) > 0.5
+
+    def outwards(self, name: str) -> FloatArray:
+        """(3, 3) axes of the upright frame, the rows, of which the third is the way out of an object."""
+        out = self.statics.upright.rotation @ self.way_out(name)
+        return np.eye(3) if self.goes_up(name) else np.stack([*level_axes(out), out])
+
+    @cached_property
+    def _fixed(self) -> FloatArray:
+        """(N, 3) points of all that never moves."""
+        clouds = [self.scene.clouds[name] for name in sorted(self.scene.fixed)]
+        return frozen(np.concatenate([np.empty((0, 3)), *clouds]))
 
     def hang_together(self, a: str, b: str) -> bool:
         """Whether two movable objects are in contact, or each with others that are."""

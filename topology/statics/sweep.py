@@ -1,4 +1,7 @@
-"""What a straight lift runs into: the volume an object sweeps on its way up, and what is in it."""
+"""What a straight lift runs into: the volume an object sweeps on its way up, and what is in it.
+
+Along another way out the same is asked of points in axes whose third is that way: see `way_out.along`.
+"""
 
 from dataclasses import dataclass
 

@@ -184,6 +184,24 @@ CLEAR = 0.004
 """A surface this much [m] higher than another is above it and not beside it: noise and spacing."""
 
 
+# -- way out
+
+OVERHEAD = 0.45
+"""[m] over an object within which something fixed bars the way up: a hand with its wrist and a short lift."""
+
+WALL_CELL = 0.02
+"""Edge [m] of the cells in which something fixed is looked for: wider than clouds are spaced."""
+
+COVERED = 0.5
+"""Share of an object from which a board is over it: strays of ragged masks are over two fifths at most."""
+
+WALLED = 0.25
+"""Share of the way before an object from which what stands there is a wall: strays are fewer."""
+
+WALL_MARGIN = 0.02
+"""[m] below a board and above what bears an object within which no wall is looked for: edges of boards."""
+
+
 # -- faces
 
 SAME_FACE = float(np.cos(np.radians(20.0)))

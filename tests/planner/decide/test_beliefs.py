@@ -22,3 +22,10 @@ def test_of_what_was_put_down_alone_nothing_is_overlooked_but_what_is_found_coun
     assert beliefs.weighed({("a", "c"): 0.2}, ()) == {("a", "c"): 0.0}
     assert beliefs.weighed({("a", "c"): 0.9}, {("a", "c")}) == {("a", "c"): 0.9}
     assert beliefs.after(FOUND, {"c"}, ()).alone == frozenset()
+
+
+def test_what_a_watched_lift_moved_is_known_until_one_of_the_two_is_elsewhere() -> None:
+    beliefs = Beliefs().taught((), ["b"], "a")
+    assert beliefs.measured == {("b", "a")}
+    assert beliefs.after(FOUND, {"a"}, ()).taught(["c"], ["a"], "b").measured == {("b", "a"), ("a", "b")}
+    assert beliefs.taught(["b"], (), "c").measured == set()

@@ -18,9 +18,7 @@ FOUND = Disturbance(over=HANGS, seen=HANGS, unheld=0.5, up=0.5, depth=0.0)
 
 
 def chance(found: Disturbance, view: str, height: float = 0.03) -> float:
-    block = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.05]])
-    bodies = {"a": block + np.array([0.0, 0.0, height]), "b": block}
-    return chances({("a", "b"): found}, bodies, view)["a", "b"]
+    return chances({("a", "b"): replace(found, ahead=(height, height))}, view)["a", "b"]
 
 
 @pytest.mark.parametrize("view", weights())
@@ -48,10 +46,9 @@ def test_that_it_is_higher_up_shows_no_dependency() -> None:
 def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so() -> None:
     leans = Disturbance(over=None, seen=None, unheld=0.4, up=0.1, depth=0.0)
     asked = {("a", "b"): leans, ("b", "a"): replace(leans, up=-0.1)}
-    ends = dict.fromkeys("ab", np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]))
 
     def counted(view: str, found: dict[tuple[str, str], Disturbance]) -> list[tuple[str, str]]:
-        return counting(found, chances(found, ends, view), 3)
+        return counting(found, chances(found, view), 3)
 
     assert counted("several", asked) == counted("several, clouds", asked) == list(asked)
     assert counted("one", asked) == []  # one camera sees half of either

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from on_table import on_table
 
+from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Action
 from topple.planner.execution.memory import Memory
 from topple.planner.grasp.grasp import Grasp
@@ -50,3 +51,14 @@ def test_what_was_put_down_may_be_tried_twice_as_often_as_what_failed(success: b
         memory = memory.after_action(step(Action.PLACE), success)
         assert ("mug" in context(memory).given_up) == (count == tries)
         assert memory.failures("mug") == (0 if success else count)
+
+
+def test_what_moved_as_a_thing_was_lifted_is_remembered_until_one_of_the_two_is_taken() -> None:
+    stopped = Memory().after_action(step(Action.REMOVE), False, True)
+    memory = stopped.after_look(step(Action.REMOVE), False, moved=["can"])
+    assert context(memory).beliefs == Beliefs(measured=frozenset([("can", "mug")]))
+    assert not context(memory).avoid, "the grasp held"
+    slipped = memory.after_look(step(Action.REMOVE, "can"), False)
+    assert slipped.beliefs.measured == {("can", "mug")}
+    assert not slipped.after_look(step(Action.REMOVE, "can"), False, ["can"], ["can"]).beliefs.measured
+    assert not slipped.after_look(step(Action.REMOVE, "can"), True).beliefs.measured

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from topple.planner.decide.arrange import Order, arrange
+from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.fallbacks import Fallback
 from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Context, NextStep, Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
@@ -199,3 +201,17 @@ def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:
     step = StepChooser(Situation(scene), parse_goal("free box", scene), Context(station)).choose()
     assert step is not None
     assert np.degrees(step.transfer.placement.tilt(np.array([0.0, 0.0, 1.0]))) < 10.0
+
+
+def test_what_moved_as_a_target_was_lifted_goes_first() -> None:
+    step = chooser(APART, "free red", beliefs=Beliefs(measured=frozenset([("green", "red")]))).choose()
+    assert taken(step) == ("green", Action.REMOVE)
+    assert step is not None and step.order.order == ("green", "red")
+    assert step.reason == "it has to go before red (moved with it)"
+
+
+def test_what_moved_goes_first_only_where_geometry_lets_it() -> None:
+    against = Beliefs(measured=frozenset([("low", "top")]))
+    step = chooser(STACK, "free low", beliefs=against, orderer=cautious).choose()
+    assert taken(step) == ("top", Action.REMOVE)
+    assert step is not None and step.order.order == ("top", "low") and not step.order.groups
