@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from topple.planner.execution.lift_monitor import LiftMonitor
 from topple.planner.execution.tolerances import (
     AT_HOME,
     FAR,
@@ -21,7 +22,6 @@ from topple.planner.execution.tolerances import (
     STILL,
     TOUCHDOWN,
 )
-from topple.planner.execution.watch import Lookout
 from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.grasp.tolerances import RELEASE_GAP
 from topple.planner.motion.collision import Checker
@@ -76,7 +76,7 @@ class HandStuck(ToppleError):
 
 
 def execute(
-    transfer: Transfer, robot: Driver, watch: Watch | None = None, lookout: Lookout | None = None
+    transfer: Transfer, robot: Driver, watch: Watch | None = None, monitor: LiftMonitor | None = None
 ) -> Outcome:
     """Drives the segments one after the other.
 
@@ -88,7 +88,7 @@ def execute(
         transfer: What to do; it should start where the arm is.
         robot: The arm.
         watch: What looks on, if anything.
-        lookout: What the first of a lift is watched with, by an arm that can be stopped.
+        monitor: What the first of a lift is watched with, by an arm that can be stopped.
     """
     done: list[Segment] = []
     ended: list[Segment] = []
@@ -99,9 +99,9 @@ def execute(
         for segment in transfer.segments:
             if segment.kind is SegmentKind.RELEASE:
                 watch(LET_GO, segment.tool)
-            if segment.kind is SegmentKind.LIFT and lookout is not None and isinstance(robot, Interruptible):
-                segment, moved = _begin_lift(segment, transfer, robot, lookout)
-                problem = _told(moved, transfer.object) if moved else None
+            if segment.kind is SegmentKind.LIFT and monitor is not None and isinstance(robot, Interruptible):
+                segment, moved = _begin_lift(segment, transfer, robot, monitor)
+                problem = _put_back_text(moved, transfer.object) if moved else None
             problem = problem or _drive(segment, transfer.object, robot, resumed)
             if segment.trajectory is not None and not moved:
                 done.append(segment)
@@ -127,7 +127,7 @@ def execute(
 
 
 def _begin_lift(
-    segment: Segment, transfer: Transfer, robot: Driver, lookout: Lookout
+    segment: Segment, transfer: Transfer, robot: Driver, monitor: LiftMonitor
 ) -> tuple[Segment, Mapping[str, float]]:
     """Lift slowly for a few centimetres, watched; down again where that moves something.
 
@@ -141,15 +141,15 @@ def _begin_lift(
     first = min(int(np.searchsorted(ways, SLOW_WAY)) + 1, len(path))
     slow = no_faster_than(retime(robot.arm, path[:first], SPEED), float(ways[first - 1]), SLOW)
     beside = robot.q_target - path[0]  # a hand gives way as it closes
-    watch = lookout.over(transfer, robot, slow.positions + beside)
-    for _ in range(len(lookout.images)):
+    detector = monitor.detector(transfer, robot, slow.positions + beside)
+    for _ in range(len(monitor.images)):
         robot.wait(STILL)
-        if not watch.refer():
+        if not detector.take_reference():
             break
-    robot.follow_while(slow, watch.still)
-    if watch.moved:
-        robot.follow(_backwards(slow, robot.q_target - beside), keep_offset=True)
-        return segment, watch.moved
+    robot.follow_while(slow, detector.still)
+    if detector.moved:
+        robot.follow(_way_back(slow, robot.q_target - beside), keep_offset=True)
+        return segment, detector.moved
     rest = path[first - 1 :]
     trajectory = None
     if len(rest) > 1:
@@ -158,13 +158,13 @@ def _begin_lift(
     return replace(segment, trajectory=trajectory), {}
 
 
-def _told(moved: Mapping[str, float], name: str) -> str:
+def _put_back_text(moved: Mapping[str, float], name: str) -> str:
     """What was seen, in a sentence."""
     some = " and ".join(f"{other} by {1e3 * off:.1f} mm" for other, off in sorted(moved.items()))
     return f"{name} was put back: lifting it moved {some}."
 
 
-def _backwards(path: Motion, q: FloatArray) -> Trajectory:
+def _way_back(path: Motion, q: FloatArray) -> Trajectory:
     """The way back along a path from joint values (n,) on it."""
     come = max(int(np.abs(path.positions - q).max(axis=1).argmin()) + 1, 2)
     positions, velocities = path.positions[:come][::-1], -path.velocities[:come][::-1]
@@ -207,7 +207,7 @@ def retreat(done: list[Segment], robot: Driver) -> None:
     if last is None:
         return
     if last.kind is SegmentKind.APPROACH and last.trajectory is not None:
-        robot.follow(_backwards(last.trajectory, robot.q_target))  # it may have stopped before its end
+        robot.follow(_way_back(last.trajectory, robot.q_target))  # it may have stopped before its end
     robot.extend(robot.arm.on_the_way(0.0).cup_extension)
     robot.open()
 

@@ -13,6 +13,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, taken_over
 from topple.planner.execution.judge import Judge
+from topple.planner.execution.lift_monitor import LiftMonitor, neighbours_to_watch
 from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected, without
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.prepare import Preparer
@@ -20,7 +21,6 @@ from topple.planner.execution.second_look import HandCamera, doubtful, second_lo
 from topple.planner.execution.selection import RunLimits, StepSelector
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.two_arms import TwoArms
-from topple.planner.execution.watch import Lookout, worth_watching
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
@@ -365,10 +365,10 @@ class ClosedLoop:
     def _carried_out(self, look: Look, chosen: NextStep) -> tuple[Outcome, Scene]:
         """Does a step and brings the arms out of the way; gives also the scene as it should be then."""
         name, grip = chosen.transfer.object, chosen.grip or self._arms.grip
-        away = {*chosen.transfer.riding, *self._selector.moved_with(name)}
-        named = worth_watching(look.situation, chosen.order, name) - away - ({grip.object} if grip else set())
-        lookout = Lookout.of(self.perception, look.images, look.situation, named)
-        outcome = self._arms.carry_out(chosen, self.judge.moment, lookout)
+        named = neighbours_to_watch(look.situation, chosen.order, name) - self._selector.moved_with(name)
+        named -= {*chosen.transfer.riding, *(() if grip is None else (grip.object,))}
+        monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
+        outcome = self._arms.carry_out(chosen, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
         how = chosen.transfer.placement.how
         if outcome.success and how in (*IN_HAND, Away.BIN):
@@ -396,5 +396,5 @@ class ClosedLoop:
 
     def _say(self, line: str) -> None:
         log.info(line)
-        if self.progress:
+        if self.progress is not None:
             self.progress(line)

@@ -243,7 +243,7 @@ ROUGH = 0.004
 """[m] more where the body was rebuilt from a cloud: a can of which one side was guessed is as uneven."""
 
 
-# -- watch
+# -- lift monitor
 
 SLOW = DISTURBED / JOINING
 """[m/s] of a lift's first way, while what stays is watched: a picture every 1.3 mm."""

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.execution.execute import TAKEN, Outcome, Watch, execute, go_home, retreat
+from topple.planner.execution.lift_monitor import LiftMonitor
 from topple.planner.execution.tolerances import AT_HOME
-from topple.planner.execution.watch import Lookout
 from topple.planner.motion.tolerances import GIVES_WAY
 from topple.planner.planning.holding import FIRST, SECOND, standing_by
 from topple.planner.planning.step import NextStep, Station
@@ -57,13 +57,13 @@ class TwoArms:
         prefix, other = (FIRST, self.first) if robot is self.second else (SECOND, self.second)
         return standing_by(prefix, _station(other))
 
-    def carry_out(self, chosen: NextStep, watch: Watch, lookout: Lookout | None = None) -> Outcome:
+    def carry_out(self, chosen: NextStep, watch: Watch, monitor: LiftMonitor | None = None) -> Outcome:
         """Do a step, once the other hand holds what it has to.
 
         Args:
             chosen: The step.
             watch: What looks on at the hand that takes.
-            lookout: What its lift is watched with.
+            monitor: What its lift is watched with.
         """
         acting = self.acting(chosen)
         other = self._beside(acting)
@@ -79,7 +79,7 @@ class TwoArms:
             if np.abs(other.q_target - np.asarray(other.arm.home)).max() > AT_HOME:
                 said = "the other arm found no way home, and this one holds on."
                 return Outcome(False, said, np.zeros((0, 3)), stuck=True)
-        return execute(chosen.transfer, acting, self._releasing(chosen, watch), lookout)
+        return execute(chosen.transfer, acting, self._releasing(chosen, watch), monitor)
 
     def finish(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
         """Bring home the arm that acted, and go on with a hold, or end it: as decided, or since it failed.

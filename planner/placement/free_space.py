@@ -75,8 +75,8 @@ def free_spaces(
     """Map what of every top is free, everything on it seen from straight above.
 
     The way out of an object is its column, straight up, or what it slides over where something fixed is over
-    it, and half an open hand's width around it. A place
-    under a fixed board is free where there is room below it for what is put down and for the hand.
+    it, and half an open hand's width around it. A place under a fixed board is free where there is room
+    below it for what is put down and for the hand.
 
     Args:
         situation: Where everything is.

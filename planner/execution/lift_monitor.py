@@ -22,7 +22,7 @@ from topple.topology.views.image import DepthImage
 
 
 @runtime_checkable
-class Stream(Protocol):
+class CameraStream(Protocol):
     """What delivers pictures all the time, besides the looks."""
 
     def glimpse(self) -> Sequence[DepthImage]:
@@ -31,7 +31,7 @@ class Stream(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Lookout:
+class LiftMonitor:
     """What a lift is watched with.
 
     Attributes:
@@ -41,7 +41,7 @@ class Lookout:
         named: Names of what is watched.
     """
 
-    stream: Stream
+    stream: CameraStream
     images: Sequence[DepthImage]
     situation: Situation
     named: Collection[str]
@@ -49,19 +49,19 @@ class Lookout:
     @classmethod
     def of(
         cls, stream: object, images: Sequence[DepthImage], situation: Situation, named: Collection[str]
-    ) -> "Lookout | None":
+    ) -> "LiftMonitor | None":
         """The same, or None where nothing is to be watched or no stream of pictures is there."""
-        return cls(stream, images, situation, named) if named and isinstance(stream, Stream) else None
+        return cls(stream, images, situation, named) if named and isinstance(stream, CameraStream) else None
 
-    def over(self, transfer: Transfer, robot: Driver, path: FloatArray) -> "Watch":
-        """A watch over what stays while an arm that has taken an object goes along a path (k, n)."""
+    def detector(self, transfer: Transfer, robot: Driver, path: FloatArray) -> "ChangeDetector":
+        """What detects changes of what stays while an arm with an object goes along a path (k, n)."""
         carried = (transfer.object, *transfer.riding)
         load = [part for name in carried for part in self.situation.solids.get(name, ())]
-        moving = swept(robot, path, transfer.grasp.tool, load)
-        return Watch(self.images, self.stream, moving, self.named)
+        moving = swept_parts(robot, path, transfer.grasp.tool, load)
+        return ChangeDetector(self.images, self.stream, moving, self.named)
 
 
-class Watch:
+class ChangeDetector:
     """What of the things that stay is seen to move.
 
     Pictures are compared with one from before the lift, in tiles of a few pixels of one object each: the
@@ -78,7 +78,7 @@ class Watch:
     def __init__(
         self,
         before: Sequence[DepthImage],
-        stream: Stream,
+        stream: CameraStream,
         moving: Sequence[FloatArray],
         named: Collection[str],
     ) -> None:
@@ -88,7 +88,7 @@ class Watch:
         self._views: dict[bytes, _View] = {}
         self.moved: Mapping[str, float] = {}
 
-    def refer(self) -> bool:
+    def take_reference(self) -> bool:
         """Take the pictures that came as those from before the lift; True while a camera's is wanted."""
         for image in self._stream.glimpse():
             if (mask := self._masks.get(key := _place(image))) is not None:
@@ -153,7 +153,7 @@ class _View:
         return pixels, np.append(values, 0.0)[middle]
 
 
-def worth_watching(situation: Situation, order: Order, name: str) -> set[str]:
+def neighbours_to_watch(situation: Situation, order: Order, name: str) -> set[str]:
     """What may move as an object of an order is lifted, and could go before it: what its box is near to."""
     boxes = {other: np.stack([cloud.min(0), cloud.max(0)]) for other, cloud in situation.surfaces.items()}
     low, high = boxes[name] + [[-FARTHEST], [FARTHEST]]
@@ -186,7 +186,7 @@ def shadow(image: DepthImage, parts: Sequence[FloatArray]) -> BoolArray:
     return found
 
 
-def swept(robot: Driver, path: FloatArray, tool: str, load: Sequence[FloatArray]) -> list[FloatArray]:
+def swept_parts(robot: Driver, path: FloatArray, tool: str, load: Sequence[FloatArray]) -> list[FloatArray]:
     """Convex parts (V, 3) of an arm and its load over a straight path of joint values (k, n) [m]."""
     few = path[[0, len(path) // 2, -1]]
     state, base = replace(robot.tool_state, opening=robot.opening), robot.pose_base_to_world

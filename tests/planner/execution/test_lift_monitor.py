@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from topple.planner.execution.execute import Outcome, execute
+from topple.planner.execution.lift_monitor import ChangeDetector, LiftMonitor, neighbours_to_watch, shadow
 from topple.planner.execution.look import Observer
-from topple.planner.execution.watch import Lookout, Watch, shadow, worth_watching
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.planning.order import order
 from topple.planner.transfer.transfer import Transfer, plan_transfer
@@ -47,7 +47,7 @@ def lifted(world: World, name: str) -> tuple[Outcome, dict[str, float]]:
     assert isinstance(found, Transfer), found
     before = world.poses()
     others = [other for other in world.movable if other != name]
-    outcome = execute(found, arm, lookout=Lookout(observer, look.images, look.situation, others))
+    outcome = execute(found, arm, monitor=LiftMonitor(observer, look.images, look.situation, others))
     arm.wait(1.0)
     now = world.poses()
     return outcome, {other: float(np.linalg.norm((now[other] - before[other])[:3, 3])) for other in now}
@@ -69,24 +69,24 @@ def test_a_lift_that_moves_nothing_is_not_stopped(bridged: World) -> None:
 def test_what_is_near_and_could_go_first_is_worth_watching(bridged: World) -> None:
     look = Observer(bridged, [EYE], np.random.default_rng(0), ("table",)).look()
     found = order(look.situation, ["near", "far"])
-    assert worth_watching(look.situation, found, "near") == {"plank"}
-    assert worth_watching(look.situation, found, "plank") == set(), "what carries it cannot go first"
-    assert worth_watching(look.situation, found, "aside") == set()
+    assert neighbours_to_watch(look.situation, found, "near") == {"plank"}
+    assert neighbours_to_watch(look.situation, found, "plank") == set(), "what carries it cannot go first"
+    assert neighbours_to_watch(look.situation, found, "aside") == set()
 
 
 def test_what_moves_is_seen_in_a_picture_and_noise_is_not(bridged: World) -> None:
     observer = Observer(bridged, [EYE], np.random.default_rng(0), ("table",))
     look = observer.look()
-    watch = Watch(look.images, observer, (), {"aside", "plank"})
-    while watch.refer():
+    detector = ChangeDetector(look.images, observer, (), {"aside", "plank"})
+    while detector.take_reference():
         bridged.step(16)
     for _ in range(40):
         bridged.step(16)
-        assert watch.still(), watch.moved
+        assert detector.still(), detector.moved
     bridged.place("aside", pose_at(0.0, 0.0, 0.008) @ bridged.pose("aside"))
     bridged.time += 16 * bridged.time_step
-    assert not watch.still()
-    assert watch.moved.keys() == {"aside"} and 0.005 < watch.moved["aside"] < 0.02
+    assert not detector.still()
+    assert detector.moved.keys() == {"aside"} and 0.005 < detector.moved["aside"] < 0.02
 
 
 def test_the_shadow_of_a_part_is_what_it_hides(bridged: World) -> None:
