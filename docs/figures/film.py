@@ -23,7 +23,7 @@ from topple.planner.report.drawing import Drawing
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import page
 from topple.planner.report.photo import photo
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.robots.world.camera import Camera
 from topple.robots.world.photo import photograph
 from topple.robots.world.physical_world import PhysicalWorld
@@ -58,7 +58,7 @@ def played() -> tuple[RunRecord, list[tuple[int, bytes]]]:
     camera = Camera.looking_at(EYE, TARGET, width=800, height=600)
     pictures: list[tuple[int, bytes]] = []
     done = [0]
-    with scenario_called("dishes", 0) as stage:
+    with scenario("dishes", 0) as stage:
         loop = loop_in(stage, progress=print)
         begun = stage.world.time
 

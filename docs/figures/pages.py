@@ -19,8 +19,8 @@ SCRUB = "() => { const { player } = window.panels[0]; if (player) player.seek(0.
 TOPPLE = Path(sys.executable).with_name("topple")
 FRAME = """
 import numpy as np
-from topple.robots.scenarios import scenario_called
-with scenario_called("dishes", 0) as stage:
+from topple.robots import scenario
+with scenario("dishes", 0) as stage:
     seen = stage.cameras[0].look(stage.world, np.random.default_rng(0))
 names = dict(ids=np.array(list(seen.names)), names=np.array(list(seen.names.values())))
 np.savez_compressed("frame.npz", depth=seen.depth, K=seen.K, label=seen.label, rgb=seen.rgb, **names)

@@ -101,6 +101,8 @@ class Dependency:
             "confidence": round(self.confidence, 3),
             "evidence": [each.to_json() for each in self.evidence],
         }
+        if self.reason is Reason.MEASURED:
+            document["measured"] = True
         return document | ({"lies": self.lies} if self.lies else {})
 
     def sentence(self) -> str:

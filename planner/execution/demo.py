@@ -21,9 +21,10 @@ from topple.planner.planning.step import Orderer, Station, Task, order_by
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
 from topple.planner.report.run_page import run_page
+from topple.robots import scenario
 from topple.robots.catalog import robot as robot_named
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, fixture_in
-from topple.robots.scenarios import SCENARIOS, Scenario, scenario_called
+from topple.robots.scenarios import SCENARIOS, Scenario
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
@@ -85,7 +86,7 @@ def demo(
     place = make_folder(folder)
     for file in FILES:
         check_writable(place / file)
-    with scenario_called(name, seed, engine) as stage:
+    with scenario(name, seed, engine) as stage:
         fixture = frozenset(clamped)
         two = stage.pose_second_to_world is not None and not fixture
         robot = robot or stage.robot

@@ -304,8 +304,7 @@ class ClosedLoop:
         self._selector.prepare(look, chosen, goal)
         waited = time.perf_counter() - max(look.taken, self._started)
         outcome, expected = self._carried_out(look, chosen)
-        verdict = self.judge.verdict()
-        attempts = self._selector.record_action(chosen, outcome)
+        verdict, attempts = self.judge.verdict(), self._selector.record_action(chosen, outcome)
         events += self._learned(chosen, outcome)
         seen = without(self.perception.look(expected), self._gone)
         if outcome.success and not (seen.surprises or seen.faults):
@@ -325,6 +324,7 @@ class ClosedLoop:
             fallbacks=tuple(map(str, chosen.all_fallbacks)),
             waited=waited,
             prepared=chosen is self._selector.prepared,
+            stopped_by=outcome.moved,
             success=outcome.success,
             attempts=attempts,
             disturbed=verdict.disturbed,

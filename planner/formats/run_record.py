@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from math import degrees
 from typing import Any
 
+from topple.planner.fallbacks import Fallback
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.topology.base.arrays import FloatArray
@@ -32,6 +33,7 @@ class StepRecord(ByValue):
         disturbed: What else moved: name -> (distance [m], turn [rad]), objects not handled only.
         relations_as_predicted: The relations seen afterwards are those the plan predicted.
         seconds: Wall-clock time of the step, planning and looking included.
+        stopped_by: What was seen to move as the object was lifted: name -> how far [m]; it was put back then.
         waited: Wall-clock time from when the pictures were there that the step was chosen from until the arm
             began to move [s], None where not measured.
         prepared: Whether it was chosen while the arm did the step before.
@@ -86,6 +88,7 @@ class StepRecord(ByValue):
     fallbacks: tuple[str, ...] = ()
     waited: float | None = None
     prepared: bool = False
+    stopped_by: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def to_json(self) -> dict[str, Any]:
         """The step as it stands in a `topple.run` document: no pictures, no clouds."""
@@ -106,6 +109,7 @@ class StepRecord(ByValue):
             "dropped": self.dropped,
             "events": list(self.events),
             "fallbacks": list(self.fallbacks),
+            "unseen": Fallback.UNSEEN in self.fallbacks,
             "tilts": {name: float(tilt) for name, tilt in self.tilts.items()},
             "forces": {name: float(force) for name, force in self.forces.items()},
             "impulses": {name: float(impulse) for name, impulse in self.impulses.items()},
@@ -200,6 +204,11 @@ class RunRecord(ByValue):
             "seed": self.seed,
             "seconds": round(self.seconds, 3),
             "steps": [step.to_json() for step in self.steps],
+            "stops": [
+                {"object": step.object, "moved": name, "mm": round(1e3 * off, 1)}
+                for step in self.steps
+                for name, off in step.stopped_by.items()
+            ],
             "violations": list(self.violations),
             "verdict": self.verdict,
             "notes": list(self.notes),
