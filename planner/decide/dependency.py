@@ -251,7 +251,8 @@ def with_measured(
     """
     for first, then in sorted(measured):
         if {first, then} <= set(graph.names) and then not in graph.before(first):
-            edge = Dependency(first, then, Reason.MEASURED, 1.0, situation.chain(first, then))
+            shown = situation.chain(first, then) or (situation.swept(then, first),)
+            edge = Dependency(first, then, Reason.MEASURED, 1.0, shown)
             graph = DependencyGraph.of(graph.names, (*graph.dependencies, edge))
     return graph
 
