@@ -7,8 +7,7 @@ from math import inf
 from typing import Any
 
 from topple.topology.base.arrays import IntArray
-from topple.topology.base.rounded import rounded
-from topple.topology.base.values import ByValue
+from topple.topology.base.values import ByValue, rounded
 from topple.topology.sixim.table import Relation, converse_matrix
 
 
