@@ -296,8 +296,7 @@ class ClosedLoop:
 
     def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look, list[str]]:
         """Does one step, looks again and judges it."""
-        started = time.perf_counter()
-        name = chosen.transfer.object
+        started, name = time.perf_counter(), chosen.transfer.object
         events = self._announced(chosen)
         grip = chosen.grip or self._arms.grip
         self.judge.begin(chosen.transfer, None if grip is None else grip.object, chosen.by_second)
@@ -328,6 +327,7 @@ class ClosedLoop:
             success=outcome.success,
             attempts=attempts,
             disturbed=verdict.disturbed,
+            severity=verdict.severity,
             relations_as_predicted=not different,
             seconds=time.perf_counter() - started,
             reason=f"{chosen.reason}; {outcome.text}",

@@ -31,6 +31,7 @@ class StepRecord(ByValue):
         success: The action did what it was meant to.
         attempts: Tries it took, 1 where the first one worked.
         disturbed: What else moved: name -> (distance [m], turn [rad]), objects not handled only.
+        severity: How far the middle of what moved by more than counts fell [m], and with which energy [J].
         relations_as_predicted: The relations seen afterwards are those the plan predicted.
         seconds: Wall-clock time of the step, planning and looking included.
         stopped_by: What was seen to move as the object was lifted: name -> how far [m]; it was put back then.
@@ -65,6 +66,7 @@ class StepRecord(ByValue):
     success: bool
     attempts: int = 1
     disturbed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    severity: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     relations_as_predicted: bool = True
     seconds: float = 0.0
     reason: str = ""
@@ -100,6 +102,7 @@ class StepRecord(ByValue):
             "disturbed": {
                 name: [float(moved), float(turned)] for name, (moved, turned) in self.disturbed.items()
             },
+            "severity": _severity(self.severity),
             "relations_as_predicted": self.relations_as_predicted,
             "seconds": round(self.seconds, 3),
             "waited": None if self.waited is None else round(self.waited, 3),
@@ -185,6 +188,14 @@ class RunRecord(ByValue):
         return "\n".join([run_heading(found := self.to_json()), *in_columns(run_rows(found))])
 
     @property
+    def severity(self) -> Mapping[str, tuple[float, float]]:
+        """How far what was disturbed fell [m], and with which energy [J], the worst of all steps by name."""
+        worst: dict[str, tuple[float, float]] = {}
+        for name, fall in (each for step in self.steps for each in step.severity.items()):
+            worst[name] = max(worst.get(name, fall), fall)
+        return worst
+
+    @property
     def interrupted(self) -> bool:
         """Somebody ended the run before it came to its end."""
         return self.stopped == INTERRUPTED
@@ -209,12 +220,17 @@ class RunRecord(ByValue):
                 for step in self.steps
                 for name, off in step.stopped_by.items()
             ],
+            "severity": _severity(self.severity),
             "violations": list(self.violations),
             "verdict": self.verdict,
             "notes": list(self.notes),
             "stopped": self.stopped,
             "interrupted": self.interrupted,
         }
+
+
+def _severity(falls: Mapping[str, tuple[float, float]]) -> Document:
+    return {name: {"drop": float(drop), "energy": float(energy)} for name, (drop, energy) in falls.items()}
 
 
 def run_heading(run: Document) -> str:

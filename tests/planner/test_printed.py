@@ -75,5 +75,8 @@ def test_the_document_of_a_run_has_what_stopped_a_lift_and_what_came_in_unseen()
     found = RunRecord("free plate", "panda", 0, False, steps=(stopped, StepRecord("cup", "remove", True)))
     assert found.to_json()["stops"] == [{"object": "plate", "moved": "cup", "mm": 3.1}]
     assert [step["unseen"] for step in found.to_json()["steps"]] == [False, False]
+    fell = [StepRecord("cup", "remove", True, severity={"can": (drop, 2 * drop)}) for drop in (0.1, 0.3, 0.2)]
+    document = RunRecord("free plate", "panda", 0, False, steps=tuple(fell)).to_json()
+    assert document["severity"] == {"can": {"drop": 0.3, "energy": 0.6}}
     unseen = StepRecord("cup", "remove", True, fallbacks=("unseen",))
     assert unseen.to_json()["unseen"] is True
