@@ -117,7 +117,7 @@ def main(target: str = "docs/dishes.webp") -> int:
     assert first.scene is not None and first.order is not None
     order, drawing = {**first.order, "order": names}, Drawing.of(first.scene)
     graph = sideways(DrawnGraph.of(first.scene.movable, order))
-    sides = photo(first.scene, drawing, order, first.photo), graph_box(graph, drawing.colours, drawing.index)
+    sides = photo(first.scene, drawing, order), graph_box(graph, drawing.colours, drawing.index)
     body = f'{STYLE}<div class="film">{sides[0]}{sides[1]}<img id="arm" alt=""></div><div id="said"></div>'
     ties = sorted(order["dependencies"], key=lambda tie: names.index(tie["first"]))
     number = {name: str(drawing.index[name]) for name in names}

@@ -49,9 +49,11 @@ def main() -> None:
             [TOPPLE, "demo", "dishes", "--seed", "0"],
         ):
             subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--use-angle=swiftshader"]
+        )
         page = browser.new_page(viewport={"width": 1300, "height": 1000}, device_scale_factor=1)
-        high = {"page_run": 1460}  # photos first, and the view below them
+        high = {"page_run": 1660}  # the photo first, and the view below it
         report = next(Path(folder, "topple-demo").rglob("*.html"))
         pages = {
             "page_show": Path(folder, "show.html"),

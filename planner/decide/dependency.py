@@ -67,6 +67,11 @@ class Dependency:
         evidence: The relations it rests on: of the two as they lie, of those through which they hang
             together, or of `then` with all that it passes on its way out.
         lies: "on" or "in" where a person would say of what leans that it lies there; it changes words alone.
+
+    Examples:
+        >>> tie = dependencies(scene).between("cup", "book")
+        >>> tie.sentence()
+        'cup rests on book (touch, 0.0 mm, observed)'
     """
 
     first: str
@@ -123,6 +128,10 @@ class DependencyGraph(ByValue):
 
     Raises:
         UnknownObject: A dependency names an object that is not among `names`.
+
+    Examples:
+        >>> sorted(dependencies(scene).before("book"))
+        ['cup']
     """
 
     names: tuple[str, ...]
@@ -210,6 +219,10 @@ def dependencies(
 
     Raises:
         InvalidInput: The scene has no `up`.
+
+    Examples:
+        >>> [(tie.first, tie.then, str(tie.reason)) for tie in dependencies(scene).dependencies]
+        [('cup', 'book', 'supported')]
     """
     graph, _ = reasoned(Situation.of(scene, relations))
     return graph.reduced() if direct else graph

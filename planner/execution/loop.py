@@ -75,6 +75,13 @@ class ClosedLoop:
         hand_on: Called with the name of what `away` leaves in the hand: your own skill then empties it.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
+
+    Examples:
+        >>> with scenario("tower") as stage:
+        ...     arm = arm_in(stage.world, robot("panda"), stage.pose_base_to_world)
+        ...     loop = ClosedLoop.simulated(stage.world, arm, stage.cameras, stage.goal)
+        ...     loop.look().scene.movable
+        ('yellow', 'green', 'blue', 'red')
     """
 
     robot: Driver
@@ -171,7 +178,7 @@ class ClosedLoop:
         rng = np.random.default_rng(seed)
         perception = Observer(
             world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate,
-            partial(photograph, world, cameras[0]) if photos else None,
+            partial(photograph, world, cameras[0], whole=True) if photos else None,
             [robot] if second is None else [robot, second],
         )  # fmt: skip
         wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
@@ -258,7 +265,7 @@ class ClosedLoop:
             relations=look.relations.to_json(),
             notes=(*goal.assumptions, *(f"at the first look, {text}" for text in first.faults)),
             stopped=stopped,
-            arm_parts=self.robot.arm.parts,
+            arm=self.robot.arm,
         )
 
     def _looked_closer(

@@ -67,14 +67,28 @@ class TwoArms:
         """
         acting = self.acting(chosen)
         other = self._beside(acting)
+        outcome = self._tried(chosen, acting, other, watch, monitor)
+        if other is None or outcome.motion is None:
+            return outcome
+        still = other.pose_base_to_world @ other.arm.forward(other.q_target, other.tool_state)[0]
+        return replace(outcome, motion=replace(outcome.motion, beside=still))
+
+    def _tried(
+        self,
+        chosen: NextStep,
+        acting: Driver,
+        other: Driver | None,
+        watch: Watch,
+        monitor: LiftMonitor | None,
+    ) -> Outcome:
         if chosen.grip is not None and other is not None:
             closed = execute(chosen.grip, other)
             if not closed.success:
-                return replace(closed, text=f"the other arm: {closed.text}")
+                return replace(closed, text=f"the other arm: {closed.text}", motion=None)
             self.grip = chosen.grip
             if (off := _gave_way(other, chosen.grip)) > GIVES_WAY:
                 said = f"the other arm gave way by {1e3 * off:.0f} mm as its hand closed."
-                return replace(closed, success=False, text=said)
+                return replace(closed, success=False, text=said, motion=None)
         if self._holds(chosen) and other is not None:
             if np.abs(other.q_target - np.asarray(other.arm.home)).max() > AT_HOME:
                 said = "the other arm found no way home, and this one holds on."

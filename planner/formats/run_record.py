@@ -8,6 +8,7 @@ from typing import Any
 from topple.planner.fallbacks import Fallback
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.tolerances import DISTURBED, TURNED
+from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.notebook import in_cell
 from topple.topology.base.values import ByValue, in_columns
@@ -136,12 +137,16 @@ class RunRecord(ByValue):
         scene: What was seen at the end, or None.
         relations: `topple.relations` document of that, or None.
         order: `topple.order` document of what would be left to take, or None.
+        wanted: PNG bytes of the same camera's view of the arrangement that was to be copied, or None.
         notes: What a reader should know besides: where the base stands, what was assumed.
-        arm_parts: Per link of the arm, in the order of the motions' poses, the (V, 3) vertices of its convex
-            parts in the link frame [m]; empty where nobody knows.
+        arm: The arm, for pictures of its motions; None where nobody knows.
         stopped: Why no more was done though the goal was not reached: "no plan", "budget", "blind" (nothing
             could be seen any more), "arm" (its hand does not let go, or it is not where it should be) or
             "interrupted" (by somebody); else empty.
+
+    Examples:
+        >>> print(RunRecord("free plate", "panda", 0, success=True).summary)
+        Plate freed in 0 moves. Nothing else moved.
     """
 
     goal: str
@@ -156,8 +161,9 @@ class RunRecord(ByValue):
     order: Document | None = None
     notes: tuple[str, ...] = ()
     stopped: str = ""
-    arm_parts: tuple[tuple[FloatArray, ...], ...] = ()
+    arm: Arm | None = None
     missing: tuple[str, ...] = ()
+    wanted: bytes | None = None
 
     @property
     def verdict(self) -> str:

@@ -3,8 +3,10 @@
 from topple.robots.engines import DEFAULT_ENGINE, playing_on
 from topple.robots.scenarios import SCENARIOS
 from topple.robots.scenarios.scenario import Scenario
+from topple.topology.base.arguments import checked_arguments
 
 
+@checked_arguments
 def scenario(name: str, seed: int = 0, engine: str = DEFAULT_ENGINE) -> Scenario:
     """Make a scene by its name.
 
@@ -20,6 +22,11 @@ def scenario(name: str, seed: int = 0, engine: str = DEFAULT_ENGINE) -> Scenario
     Raises:
         InvalidInput: If there is no such scene or engine.
         NotInstalled: If the engine is not installed.
+
+    Examples:
+        >>> with scenario("dishes", seed=3) as stage:
+        ...     stage.goal, stage.targets, stage.fixed
+        ('free plate', ('plate',), ('table',))
     """
     with playing_on(engine):
         return SCENARIOS[name](seed)

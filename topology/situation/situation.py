@@ -47,6 +47,10 @@ class Situation:
         known_completed: The same with the hidden sides, likewise.
         origin: What it came of by taking objects away or moving them: the other bodies are those still.
         unit: What a metre of its bodies stands for [m], see `sized`; lengths of its relations are true ones.
+
+    Examples:
+        >>> [(support.supporter, support.supported) for support in Situation(scene).supports]
+        [('table', 'book'), ('book', 'cup')]
     """
 
     scene: Scene

@@ -29,6 +29,11 @@ class PairRelation(ByValue):
         inferred: True where the relation was concluded from gravity and not from the clouds alone.
         reason: What decided, where it was anything else than Table 1 on the matrix; None where it was that.
         least_gap: What the gap is at least [m], known without measuring it.
+
+    Examples:
+        >>> pair = relate(scene)["cup", "book"]
+        >>> str(pair.relation), pair.observed, round(pair.gap, 3)
+        ('touch', True, 0.0)
     """
 
     a: str
