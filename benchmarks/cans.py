@@ -75,7 +75,7 @@ def _asked(at: FloatArray, seed: int) -> Mapping[str, tuple[set[str], set[str]]]
     """Can -> what has to go before it, and what is told to, of cans at places (N, 2) in the bay [m]."""
     names = [f"can_{number}" for number in range(len(at))]
     with new_world() as world:
-        world.add_table(size=(1.2, 2.0, 0.04), centre=(-0.2, 0.0))
+        world.add_table(size=(1.2, 2.0), centre=(-0.2, 0.0))
         world.add(_bay(), _pose(DEEP / 2, 0.0, 0.0), fixed=True)
         for name, (x, y) in zip(names, at.tolist(), strict=True):
             world.add(can(name, diameter=ACROSS, height=TALL), _pose(x, y, BOARD))
@@ -88,7 +88,7 @@ def _asked(at: FloatArray, seed: int) -> Mapping[str, tuple[set[str], set[str]]]
         scene = Scene.from_images(images, fixed=tuple(sorted(world.fixed)), up=(0.0, 0.0, 1.0))
     apart = np.abs(at[:, None, 1] - at[None, :, 1]) - ACROSS
     before = (at[:, None, 0] > at[None, :, 0]) & (apart < 0.0)
-    doubtful = (np.abs(apart) < EDGE).any(axis=1)
+    doubtful = np.any(np.abs(apart) < EDGE, axis=1)
     situation = Situation(scene)
     found: dict[str, tuple[set[str], set[str]]] = {}
     for number, name in enumerate(names):

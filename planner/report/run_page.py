@@ -203,20 +203,17 @@ def _moved(far: float, turn: float, between: str) -> str:
     return f"{millimetres(far)}{between}{math.degrees(turn):.1f}°"
 
 
-def _fell(drop: float, energy: float) -> str:
-    return f"{millimetres(drop)}, {energy:.2f} J"
-
-
 def _disturbed(step: StepRecord) -> str:
     """What moved or was hit and was not meant to, farthest first."""
     if not (names := _disturbed_by(step)):
         far, turn = (max((each[k] for each in step.disturbed.values()), default=0.0) for k in (0, 1))
         return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_moved(far, turn, ' and ')} at most.</p>"
+    fell = {name: f"{millimetres(drop)}, {energy:.2f} J" for name, (drop, energy) in step.severity.items()}
     rows = "".join(
         f'<tr class="bad"><td>{escape(name)}</td><td class=number>'
         f"{_moved(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
         f"<td class=number>{f'{step.forces[name]:.1f} N' if name in step.forces else ''}</td>"
-        f"<td class=number>{_fell(*step.severity[name]) if name in step.severity else ''}</td></tr>"
+        f"<td class=number>{fell.get(name, '')}</td></tr>"
         for name in names
     )
     measured = ("moved", "turned", "force", "fell by, with")
