@@ -30,7 +30,7 @@ from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
 from topple.topology.statics.tolerances import SHOWN
-from topple.topology.statics.way_out import along, boards_going_on, way_out
+from topple.topology.statics.way_out import along, continued_boards, way_out
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,7 +294,7 @@ class Situation:
         if bodies.sight is not None:
             sight, to_upright = bodies.sight, bodies.upright.rotation.T
             clouds += [
-                boards_going_on(cloud, self.up, lambda p: sight.empty(p @ to_upright)) for cloud in clouds
+                continued_boards(cloud, self.up, lambda p: sight.empty(p @ to_upright)) for cloud in clouds
             ]
         return frozen(np.concatenate([np.empty((0, 3)), *clouds]))
 
