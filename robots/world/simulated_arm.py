@@ -62,7 +62,7 @@ class SimulatedArm(ActingArm):
         self.id: int = pybullet.loadURDF(
             str(arm.urdf), position, quaternion, useFixedBase=True, physicsClientId=world.client
         )
-        world.register_robot(self.id)
+        world.register_robot(self.id, self)
         self._index: dict[str, int] = {}
         self._link: dict[str, int] = {}
         self._names: dict[int, str] = {-1: "base"}

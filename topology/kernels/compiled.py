@@ -43,6 +43,9 @@ _SIGNATURES = {
     "heights_over": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY, _NUMBER, _ARRAY),
     "outline_corners": (_COUNT, _ARRAY, _COUNT, _ARRAY),
     "planes_of_patches": (None, _ARRAY, _COUNT, _COUNT, _ARRAY, _ARRAY, _ARRAY),
+    "triangles_drawn": (
+        None, _ARRAY, _COUNT, _ARRAY, _COUNT, _COUNT, _NUMBER, *[_ARRAY] * 4,
+    ),
     "sphere_nearest": (_COUNT, _ARRAY, _COUNT, _COUNT, _COUNT, _NUMBER, _NUMBER, _ARRAY),
 }  # fmt: skip
 """Name of a kernel -> what it gives and takes."""
