@@ -79,18 +79,14 @@ def draw(camera: Camera, shown: Iterable[Shown]) -> Rendered:
     world_to_camera = inverse(camera.pose_camera_to_world)
     lamp = np.array(LAMP) / np.linalg.norm(LAMP)
     corners = [np.zeros((0, 3, 3))]
-    lights, colours, numbers = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0, dtype=np.int64)]
+    paints, numbers = [np.zeros((0, 3, 3))], [np.zeros(0, dtype=np.int64)]
     for surface, pose, number in parts:
         corners.append(transformed(surface.corners, world_to_camera @ pose))
-        lights.append(np.maximum(surface.normals @ (pose[:3, :3].T @ lamp), 0.0))
-        colours.append(np.broadcast_to(surface.colour, (len(surface.corners), 3)))
+        light = AMBIENT + (1.0 - AMBIENT) * np.maximum(surface.normals @ (pose[:3, :3].T @ lamp), 0.0)
+        paints.append(light[..., None] * surface.colour)
         numbers.append(np.full(len(surface.corners), number))
-    depth, face, light = draw_triangles(
-        np.concatenate(corners), np.concatenate(lights), camera.K, (camera.width, camera.height),
+    depth, face, colours = draw_triangles(
+        np.concatenate(corners), np.concatenate(paints), camera.K, (camera.width, camera.height),
         camera.nearest, camera.farthest,
     )  # fmt: skip
-    colour = np.append(np.concatenate(colours), [[255.0] * 3], axis=0).astype(np.float32)[face]
-    shade = np.where(face < 0, 1.0, AMBIENT + (1.0 - AMBIENT) * light).astype(np.float32)
-    rgb = np.minimum(colour * shade[..., None], 255.0).astype(np.uint8)
-    depth[face < 0] = 0.0
-    return depth, np.append(np.concatenate(numbers), NOBODY)[face], rgb
+    return depth, np.append(np.concatenate(numbers), NOBODY)[face], colours

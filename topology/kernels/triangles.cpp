@@ -46,9 +46,9 @@ Seen seen_by(const double *p, const double *lens, int64_t width, int64_t height,
 
 // Draw triangles, corners (count, 3, 3) in the camera's frame, onto `inverse` (height, width), one over the depth,
 // which the caller filled with one over the farthest depth, and `owner` (height, width), their numbers, filled with
-// -1. `lens` is fx, fy, cx, cy. Where `shades` (count, 3) of the corners are given, `shade` is that of what is seen.
+// -1. `lens` is fx, fy, cx, cy. `colours` (height, width, 3) are those of the corners (count, 3, 3), 0..255, between them.
 extern "C" void triangles_drawn(const double *corners, int64_t count, const double *lens, int64_t width, int64_t height,
-                                double nearest, double *inverse, int64_t *owner, const double *shades, double *shade) {
+                                double nearest, double *inverse, int64_t *owner, const double *paints, uint8_t *colours) {
     const double most = 1.0 / nearest;
     for (int64_t t = 0; t < count; ++t) {
         const Seen s = seen_by(corners + 9 * t, lens, width, height, nearest);
@@ -76,7 +76,6 @@ extern "C" void triangles_drawn(const double *corners, int64_t count, const doub
             }
         }
     }
-    if (shades == nullptr) return;
     int64_t before = -1;
     Seen s{};
     for (int64_t k = 0; k < width * height; ++k) {
@@ -84,12 +83,12 @@ extern "C" void triangles_drawn(const double *corners, int64_t count, const doub
         if (t < 0) continue;
         if (t != before) s = seen_by(corners + 9 * t, lens, width, height, nearest);
         before = t;
-        double sum = 0.0, light = 0.0;
+        double sum = 0.0, mixed[3] = {0.0, 0.0, 0.0};
         for (int i = 0; i < 3; ++i) {
             const double weight = s.across[i] * static_cast<double>(k % width) + s.down[i] * static_cast<double>(k / width) + s.rest[i];
             sum += weight;
-            light += weight * shades[3 * t + i];
+            for (int c = 0; c < 3; ++c) mixed[c] += weight * paints[9 * t + 3 * i + c];
         }
-        shade[k] = light / sum;
+        for (int c = 0; c < 3; ++c) colours[3 * k + c] = static_cast<uint8_t>(std::min(std::max(mixed[c] / sum, 0.0), 255.0));
     }
 }

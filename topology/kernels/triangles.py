@@ -7,47 +7,52 @@ import numpy as np
 from topple.topology.kernels.compiled import address, kernels
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from topple.topology.base.arrays import FloatArray, IntArray
 
 
 def draw_triangles(
     corners: "FloatArray",
-    shades: "FloatArray",
+    paints: "FloatArray",
     K: "FloatArray",
     size: tuple[int, int],
     nearest: float,
     farthest: float,
-) -> "tuple[FloatArray, IntArray, FloatArray]":
+) -> "tuple[FloatArray, IntArray, NDArray[np.uint8]]":
     """Draw triangles as a pinhole camera sees them, both of their sides.
 
     Args:
         corners: (F, 3, 3) in the camera's frame, z forward [m]; behind the camera is allowed.
-        shades: (F, 3) of the corners, any unit.
+        paints: (F, 3, 3) red, green, blue of the corners, 0..255.
         K: (3, 3) intrinsics, pixels' middles at integers.
         size: Width and height [px].
         nearest: Depth from which on something is seen [m], > 0.
         farthest: Likewise up to which.
 
     Returns:
-        Depth (H, W) [m], infinite where nothing is seen; numbers (H, W) of the triangles, -1 there; shades
-        (H, W), 0 there. Kernel and twin give the same up to rounding.
+        Depth (H, W) [m], 0 where nothing is seen; numbers (H, W) of the triangles, -1 there; colours
+        (H, W, 3), white there. Kernel and twin give the same up to rounding.
     """
     width, height = size
     inverse, owner = np.full((height, width), 1.0 / farthest), np.full((height, width), -1, dtype=np.int64)
     lens = np.array([K[0, 0], K[1, 1], K[0, 2], K[1, 2]])
-    compiled, shade = kernels(), np.zeros((height, width))
+    compiled, colours = kernels(), np.full((height, width, 3), 255, dtype=np.uint8)
     if compiled is None:
         _draw(corners, lens, nearest, inverse, owner)
         rows, columns = np.nonzero(owner >= 0)
         weights = np.einsum("fik,fk->fi", _edges(corners, lens)[owner[rows, columns]], _places(columns, rows))
-        shade[rows, columns] = (weights * shades[owner[rows, columns]]).sum(axis=1) / weights.sum(axis=1)
+        mixed = np.einsum("fi,fic->fc", weights, paints[owner[rows, columns]])
+        colours[rows, columns] = (mixed / weights.sum(axis=1, keepdims=True)).clip(0, 255)
     else:
-        given, light = (np.ascontiguousarray(each, dtype=np.float64) for each in (corners, shades))
+        given, mixed = (np.ascontiguousarray(each, dtype=np.float64) for each in (corners, paints))
         compiled.triangles_drawn(
             address(given), len(given), address(lens), width, height, nearest, address(inverse),
-            address(owner), address(light), address(shade),
+            address(owner), address(mixed), address(colours),
         )  # fmt: skip
-    return np.where(owner >= 0, 1.0 / inverse, np.inf), owner, shade
+    depth = 1.0 / inverse
+    depth[owner < 0] = 0.0
+    return depth, owner, colours
 
 
 def _places(columns: "IntArray", rows: "IntArray") -> "FloatArray":

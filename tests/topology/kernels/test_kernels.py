@@ -17,6 +17,7 @@ from topple.topology.kernels.outline import outline_corners
 from topple.topology.kernels.pieces import pieces_of_links
 from topple.topology.kernels.planes import patch_planes
 from topple.topology.kernels.spheres import sphere_nearest
+from topple.topology.kernels.triangles import draw_triangles
 from topple.topology.views.borders import Picture
 
 pytestmark = pytest.mark.skipif(compiled.kernels() is None, reason="no kernels were compiled here")
@@ -268,6 +269,35 @@ def test_the_same_surfaces_are_continued_to_borders(monkeypatch):
     for each, twin in zip(ours, twins, strict=True):
         assert all(np.array_equal(a, b) for a, b in zip(each, twin, strict=True))
     assert 0.1 < np.mean(ours[0][1] > 0) < 1.0 and (ours[1][1] > 0).any()
+
+
+def test_the_same_triangles_are_seen(monkeypatch):
+    near = RNG.normal(size=(60, 3, 3)) * [0.4, 0.3, 0.3] + [0.0, 0.0, 1.0]  # some behind the camera
+    flat = np.concatenate([near[:1, [0, 0, 1]], near[:1, [0, 1, 1]]])
+    table = np.array([[[-9.0, 0.3, -9.0], [9.0, 0.3, -9.0], [0.0, 0.3, 90.0]]])  # passes under the camera
+    corners = np.concatenate([near, flat, table])
+    paints = RNG.uniform(-50, 300, size=corners.shape)
+    K = np.array([[70.0, 0, 39.5], [0, 75.0, 29.5], [0, 0, 1]])
+    found = []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        found.append(draw_triangles(corners, paints, K, (80, 60), 0.05, 5.0))
+    (depth, owner, colours), (far, number, mixed) = found
+    assert np.mean(owner == number) > 0.999  # rounding decides about a pixel on an edge
+    same = owner == number
+    assert np.allclose(depth[same], far[same], rtol=1e-9) and (depth[owner < 0] == 0.0).all()
+    assert np.abs(colours[same].astype(int) - mixed[same]).max() <= 1
+    assert (owner == len(corners) - 1).any() and depth.max() <= 5.0 and depth[owner >= 0].min() >= 0.05
+
+
+def test_no_pixel_is_lost_between_neighbours():
+    rows, columns = np.mgrid[:21, :21]
+    grid = np.stack([columns - 10.0, rows - 10.0, 20.0 + RNG.normal(size=rows.shape)], axis=-1).reshape(-1, 3)
+    first = (rows[:-1, :-1] * 21 + columns[:-1, :-1]).ravel()[:, None]
+    corners = grid[np.concatenate([first + [0, 1, 21], first + [1, 22, 21]])]
+    K = np.array([[100.0, 0, 40.0], [0, 100.0, 40.0], [0, 0, 1]])
+    depth, owner, _ = draw_triangles(corners, np.zeros_like(corners), K, (81, 81), 0.1, 99.0)
+    assert (owner[2:-2, 2:-2] >= 0).all() and 15.0 < depth[40, 40] < 25.0
 
 
 @pytest.mark.slow
