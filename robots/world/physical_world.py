@@ -1,7 +1,7 @@
 """A world that is played: what every engine offers of it, and what is the same in all of them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 from weakref import WeakKeyDictionary
@@ -235,9 +235,9 @@ class PhysicalWorld(ABC):
                 return True
         return False
 
-    def at_rest(self) -> bool:
-        """Whether nothing moves at this instant."""
-        for name in self.movable:
+    def at_rest(self, names: Iterable[str] | None = None) -> bool:
+        """Whether nothing moves at this instant, of what is named where something is."""
+        for name in self.movable if names is None else names:
             speed, turn = self.speeds(name)
             if speed > TOLERANCES.still_speed or turn > TOLERANCES.still_turn:
                 return False

@@ -212,21 +212,23 @@ class SimulatedArm(ActingArm):
                 )  # fmt: skip
 
     def _advance(self) -> None:
-        self.world.step()
+        self.world.advance()
         if self.vacuum is not None:
             self.vacuum.check()
-        for arm in self._both:
-            arm._note_touches()
+        self.world.sleep.after_step(set().union(*[arm._note_touches() for arm in self._both]))
         for watch in self.on_step:
             watch()
 
-    def _note_touches(self) -> None:
+    def _note_touches(self) -> set[int]:
+        """Note what it touches and how hard; PyBullet's numbers of that and of what its cup holds."""
         points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
         for point in points:
             name = self.world.name_of(point[2])
             if name is not None and point[9] > 0.0:
                 link = self._names[point[3]]
                 note_touch(self.touched, name, link, float(point[9]), self.world.time_step)
+        held = {self.world.ids[self.vacuum.name]} if self.vacuum is not None else set[int]()
+        return held.union(point[2] for point in points)
 
 
 class JointLoads:

@@ -149,6 +149,15 @@ CLAMPING = 500.0
 """[N] and [N m] that a fixture holds against: a small vice."""
 
 
+# -- bullet_sleep
+
+ASLEEP_AFTER = 0.5
+"""[s] that all must rest before it sleeps: what is about to tip is slow for a fifth of that, 10 cm tall."""
+
+ASLEEP_EACH = 12
+"""Steps between two looks at whether it rests: a twentieth of a second."""
+
+
 # -- rendering
 
 AMBIENT = 0.6

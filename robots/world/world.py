@@ -14,6 +14,7 @@ from topple.robots.scratch import Scratch
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.bullet_shapes import shown_in
+from topple.robots.world.bullet_sleep import Sleep
 from topple.robots.world.physical_world import (
     Constraint,
     Contact,
@@ -50,6 +51,7 @@ class World(PhysicalWorld):
 
     Attributes:
         client: PyBullet's number of the simulation; to be given to every call of PyBullet.
+        sleep: What rests and costs nothing; to be woken before something is done to bodies from outside.
         robots: PyBullet's number of each robot -> what draws it; None: the shapes that PyBullet has of it.
 
     Examples:
@@ -67,6 +69,7 @@ class World(PhysicalWorld):
         self._inertial: dict[str, FloatArray] = {}  # pose_inertial_to_body
         self._body_to_inertial: dict[str, FloatArray] = {}
         self._names: dict[int, str] = {}
+        self.sleep = Sleep(self, self.client)
         self._files = Scratch()
         self._written = 0
         pybullet.setGravity(0, 0, -self.physics.gravity, physicsClientId=self.client)
@@ -89,6 +92,7 @@ class World(PhysicalWorld):
 
     def add(self, body: Body, pose_body_to_world: FloatArray | None = None, *, fixed: bool = False) -> None:
         """Put a body into the world; see `PhysicalWorld.add`."""
+        self.sleep.wake()
         if body.name in self.ids:
             raise InvalidInput(f"two bodies are called {body.name!r}: give each its own name")
         moments, pose_inertial_to_body = principal_axes(body)
@@ -130,6 +134,7 @@ class World(PhysicalWorld):
 
     def remove(self, name: str) -> None:
         """Take a body out of the world."""
+        self.sleep.wake()
         number = self._number(name)
         pybullet.removeBody(number, physicsClientId=self.client)
         del self.ids[name], self._names[number], self._bodies[name], self._inertial[name]
@@ -147,6 +152,7 @@ class World(PhysicalWorld):
 
     def place(self, name: str, pose_body_to_world: FloatArray, rising: float = 0.0) -> None:
         """Set a body somewhere; see `PhysicalWorld.place`."""
+        self.sleep.wake()
         number = self._number(name)
         pose = pose_body_to_world @ self._inertial[name]
         pybullet.resetBasePositionAndOrientation(
@@ -156,9 +162,14 @@ class World(PhysicalWorld):
 
     def step(self, count: int = 1) -> None:
         """Advance the simulation by `count` time steps."""
+        self.sleep.wake()
         for _ in range(count):
-            pybullet.stepSimulation(physicsClientId=self.client)
-        self.time += count * self.time_step
+            self.advance()
+
+    def advance(self) -> None:
+        """Take one time step in which what sleeps goes on sleeping."""
+        pybullet.stepSimulation(physicsClientId=self.client)
+        self.time += self.time_step
 
     def speeds(self, name: str) -> tuple[float, float]:
         """Speed in [m/s] and turning speed in [rad/s] of a body."""
@@ -204,6 +215,7 @@ class World(PhysicalWorld):
 
     def snapshot(self) -> Snapshot:
         """Keep the state of the simulation, for `restore`."""
+        self.sleep.wake()
         number = int(pybullet.saveState(physicsClientId=self.client))
         return Snapshot(number, self.time, frozenset(self.ids))
 
@@ -216,6 +228,7 @@ class World(PhysicalWorld):
         if snapshot.names != frozenset(self.ids):
             changed = sorted(snapshot.names ^ frozenset(self.ids))
             raise InvalidInput(f"{', '.join(changed)} came or went since the snapshot: take a new one")
+        self.sleep.wake()
         pybullet.restoreState(snapshot.number, physicsClientId=self.client)
         self.time = snapshot.time
 

@@ -294,7 +294,7 @@ def test_no_pixel_is_lost_between_neighbours():
     rows, columns = np.mgrid[:21, :21]
     grid = np.stack([columns - 10.0, rows - 10.0, 20.0 + RNG.normal(size=rows.shape)], axis=-1).reshape(-1, 3)
     first = (rows[:-1, :-1] * 21 + columns[:-1, :-1]).ravel()[:, None]
-    corners = grid[np.concatenate([first + [0, 1, 21], first + [1, 22, 21]])]
+    corners = grid[np.concatenate([first + np.array([0, 1, 21]), first + np.array([1, 22, 21])])]
     K = np.array([[100.0, 0, 40.0], [0, 100.0, 40.0], [0, 0, 1]])
     depth, owner, _ = draw_triangles(corners, np.zeros_like(corners), K, (81, 81), 0.1, 99.0)
     assert (owner[2:-2, 2:-2] >= 0).all() and 15.0 < depth[40, 40] < 25.0
