@@ -40,14 +40,19 @@ def visuals(arm: Arm, most: int) -> list[list[Visual]]:
 
 def _of_link(link: str, arm: Arm, most: float) -> list[Visual]:
     try:
-        path = arm.model.path
-        found = [part for element in _elements(path)[link] for part in _drawn(element, path)]
+        found = _in_file(arm.model.path, link)
     except Exception as error:  # trimesh raises whatever its format readers raise
         log.info("%s is drawn by its collision shapes: %s", link, error)
-        found = [Visual(*hull_of(part), BARE) for part in arm.model.links[link].parts]
+        found = tuple(Visual(*hull_of(part), BARE) for part in arm.model.links[link].parts)
     areas = [_area(visual) for visual in found]
     shares = [(visual, area / sum(areas)) for visual, area in zip(found, areas, strict=True)]
     return [_coarse(visual, int(most * share)) for visual, share in shares if share > SCREWS]
+
+
+@lru_cache(maxsize=64)
+def _in_file(path: Path, link: str) -> tuple[Visual, ...]:
+    """The visuals of a link as its files have them: pages and cameras make them coarse, each as it needs."""
+    return tuple(part for element in _elements(path)[link] for part in _drawn(element, path))
 
 
 @lru_cache(maxsize=4)
