@@ -21,11 +21,12 @@ class Sleep:
 
     def __init__(self, world: PhysicalWorld, client: int) -> None:
         self._world, self._client = world, client
-        self._asleep: list[int] = []
+        self._asleep: set[int] = set()
+        self._handled: frozenset[int] = frozenset()
         self._steps = 0
 
     def after_step(self, handled: Collection[int]) -> None:
-        """Wake everything where something is about to be touched; else let sleep what has rested for long.
+        """Wake everything where something that sleeps is touched; else let sleep what has rested for long.
 
         Args:
             handled: PyBullet's numbers of the bodies that robots touch or hold.
@@ -33,20 +34,23 @@ class Sleep:
         if not self._apart(handled):
             self.wake()
             return
-        self._steps += 1
-        if self._asleep or self._steps % ASLEEP_EACH:
+        same = self._handled == handled
+        self._steps, self._handled = self._steps + 1 if same else 0, frozenset(handled)
+        if self._steps % ASLEEP_EACH:
             return
-        others = [name for name in self._world.movable if self._world.ids[name] not in handled]
+        ids = self._world.ids
+        others = [name for name in self._world.movable if ids[name] not in self._asleep.union(handled)]
         if not self._world.at_rest(others):
             self._steps = 0
         elif self._steps * self._world.time_step >= ASLEEP_AFTER:
-            self._asleep = [self._world.ids[name] for name in others]
-            self._set(self._asleep, pybullet.ACTIVATION_STATE_SLEEP)
+            resting = {ids[name] for name in others}
+            self._asleep |= resting
+            self._set(resting, pybullet.ACTIVATION_STATE_SLEEP)
 
     def wake(self) -> None:
         """Wake everything."""
         self._set(self._asleep, pybullet.ACTIVATION_STATE_DISABLE_SLEEPING)
-        self._asleep, self._steps = [], 0
+        self._asleep, self._steps = set(), 0
 
     def _apart(self, handled: Collection[int]) -> bool:
         """Whether what is handled, or fell from the hand, touches nothing that could be moved."""
