@@ -16,6 +16,7 @@ from topple.robots.arm.tolerances import BARE, DARKEST, FINEST, SCREWS
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.collision.convex import hull_of
 from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.geometry.rigid import transformed
 
 log = logging.getLogger(__name__)
 
@@ -79,17 +80,17 @@ def _drawn(visual: tuple[Element, FloatArray | None], path: Path) -> Iterator[Vi
     pose, geometry = origin_of(element, "visual"), element.find("geometry")
     named = None if geometry is None else geometry.find("mesh")
     if named is None:
-        meshes = [
-            trimesh.Trimesh(*hull_of(part)) for part in geometry_parts(geometry, path, "visual", [], None)
-        ]
+        parts = geometry_parts(geometry, path, "visual", [], None)
+        meshes = [(np.eye(4), trimesh.Trimesh(*hull_of(part))) for part in parts]
         scale = np.ones(3)
     else:
         scene: Any = trimesh.load_scene(find_mesh(str(named.get("filename")), path), process=False)
-        meshes = scene.dump()
+        placed = map(scene.graph.get, scene.graph.nodes_geometry)
+        meshes = [(there, scene.geometry[name]) for there, name in placed]
         scale = numbers(named.get("scale"), 3, (1.0, 1.0, 1.0), "scale")
         if scene.units is not None:  # Collada states them; other formats do not
             scale = scale * trimesh.units.unit_conversion(scene.units, "meters")
-    for mesh in meshes:
+    for there, mesh in meshes:
         own: Any = getattr(getattr(mesh.visual, "material", None), "main_color", None)
         colour = BARE if given is None else 255 * given
         if own is not None and (
@@ -97,7 +98,7 @@ def _drawn(visual: tuple[Element, FloatArray | None], path: Path) -> Iterator[Vi
         ):  # white is what a file's own are drawn on
             colour = own[:3]
         red, green, blue = np.maximum(colour, DARKEST).round().astype(int).tolist()
-        vertices = np.asarray(mesh.vertices) * scale @ pose[:3, :3].T + pose[:3, 3]
+        vertices = transformed(transformed(np.asarray(mesh.vertices), there) * scale, pose)
         yield Visual(vertices, np.asarray(mesh.faces), (red, green, blue))
 
 
