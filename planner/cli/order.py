@@ -149,7 +149,7 @@ def _answer(
 
     scene = reading.scene(path)
     answer = ask(Situation.of(scene, None if relating is None else relating(scene)))
-    return replace(answer, document={**answer.document, **models_in(scene)})
+    return reading.said(scene, replace(answer, document={**answer.document, **models_in(scene)}))
 
 
 def _ordered(

@@ -93,6 +93,9 @@ def execute(args: argparse.Namespace) -> int:
     elif args.json:
         print_json(json.loads(document))
     else:
+        from topple.planner.report.names import spoken
+
+        found, checked = spoken(scene, (found, checked))
         _print_plan(path, found)
         if checked is not None:
             _print_verification(checked)

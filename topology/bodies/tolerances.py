@@ -27,6 +27,12 @@ OUTSIDE = 0.8
 PLACES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
 
+PLATE = 0.3
+"""Height, as a share of its width, below which a hollow body is called a plate, and a round one no can."""
+
+BOXY = 0.05
+"""Distance of points from their box, as a share of its length, below which a body is called a box."""
+
 KEPT_BODIES = 100
 """Bodies of which what was worked out is kept, some 0.3 MB each: ten scenes of ten things."""
 
