@@ -27,8 +27,8 @@ from topple.planner.cli.tables import (
     print_assumptions,
     print_build,
     print_moves,
-    print_next_view,
     print_order,
+    with_next_view,
 )
 
 if TYPE_CHECKING:
@@ -156,14 +156,10 @@ def _ordered(
     target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation"
 ) -> _Answer:
     """The order in which things are taken, and from where to look next."""
-    from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order
 
     found = order(situation, target, **options)
-    document = found.to_json()
-    if look:
-        view = next_view(situation, target, found=found)
-        document["next_view"] = None if view is None else view.to_json()
+    document = with_next_view(situation, found, target) if look else found.to_json()
     return _Answer(document, len(situation.movable), found.certificate)
 
 
@@ -210,8 +206,6 @@ def _print(path: str, answer: _Answer) -> None:
         print_moves(path, answer.document)
     else:
         print_order(path, answer.document, answer.movable)
-        if "next_view" in answer.document:
-            print_next_view(answer.document["next_view"])
     print_assumptions(answer.document["assumptions"])
 
 
