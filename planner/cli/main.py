@@ -38,7 +38,7 @@ COMMANDS = {
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
     "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene, ROS 2",
     "mcp": "serve these tools to a language model over stdin and stdout (Model Context Protocol)",
-    "view": "serve a scene as a live page with sliders for its deviation and its steps",
+    "view": "serve a scene as a live page: any deviation, its order or plan played, reasons at a click",
     "show": "draw a scene with its relations and its order",
 }
 
