@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.console import print_table, print_text
+from topple.planner.cli.console import in_options, print_table, print_text
 from topple.topology.base.values import rounded
 
 if TYPE_CHECKING:
@@ -165,4 +165,4 @@ def print_assumptions(assumptions: list[str]) -> None:
     Args:
         assumptions: The sentences.
     """
-    print_text(*(f"Assumed: {assumption.rstrip('.')}." for assumption in assumptions))
+    print_text(*(f"Assumed: {in_options(assumption).rstrip('.')}." for assumption in assumptions))

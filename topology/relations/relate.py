@@ -213,8 +213,7 @@ def _check_count(count: int, what: str, most: int) -> None:
     if count > most:
         raise InvalidInput(
             f"the scene has {count} {what}, and {most} are allowed: leave out what is far from the targets, "
-            "or allow more with --max-objects of topple relate and order (Python: relate(..., most_objects=) "
-            "and order(..., relations=))"
+            "or relate it with most_objects=N"
         )
 
 
