@@ -11,6 +11,7 @@ from topple.benchmarks.guesses import Guess
 from topple.benchmarks.scores import DRAWS, Labels, judged, unsafe_steps
 from topple.benchmarks.truth.geometry import RelationLabels
 from topple.benchmarks.truth.mask_faults import NO_FAULTS, MaskFaults
+from topple.planner.decide.words import how_sure
 from topple.topology.sixim.table import Relation
 
 UNNAMED = ("without a name", "no mask names")
@@ -154,6 +155,17 @@ def count(
         risk=sum(risks.values()),
         brier=sum((risk - (name in unsafe)) ** 2 for name, risk in risks.items()),
     )
+
+
+def words(found: Mapping[str, Any], labels: Labels) -> list[tuple[str, bool]]:
+    """How sure each step of an answer is said to be, and whether it disturbs something."""
+    if "refused" in found:
+        return []
+    direct = frozenset((first, then) for first, then, *_ in found["dependencies"])
+    names = [name for name in labels if name in found["objects"]]
+    guess = Guess(direct, tuple(found["order"]), tuple(map(tuple, found["groups"])))
+    unsafe, risk = dict(unsafe_steps(guess, labels, names)), found["risk"]
+    return [(how_sure(risk[name]), name in unsafe) for name in guess.order if name in risk and name in names]
 
 
 def _of_relations(found: Mapping[str, Any], relations: RelationLabels) -> dict[str, int]:

@@ -7,15 +7,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import (
-    COMMON,
-    SEEN_ROBOT,
-    add,
-    add_jobs,
-    add_kept,
-    add_scenes,
-    count,
-)
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_jobs, add_kept, add_scenes, count
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored

@@ -37,11 +37,7 @@ def print_relations(title: str, document: Document) -> None:
 
 
 def _pair(pair: Document) -> tuple[str, ...]:
-    notes = (
-        pair.get("kind"),
-        pair.get("reason"),
-        "" if pair["observed"] else "not observed",
-    )
+    notes = (pair.get("kind"), pair.get("reason"), "" if pair["observed"] else "not observed")
     gap = f"{'' if pair['gap_exact'] else '> '}{rounded(pair['gap'] * 1000, 1)}"
     matrix = "; ".join(" ".join(str(count) for count in row) for row in pair["matrix"])
     note = ", ".join(note for note in notes if note)

@@ -16,13 +16,7 @@ from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_he
 from topple.planner.report.html import legend
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.names import spoken
-from topple.planner.report.palette import (
-    FIXED_COLOUR,
-    Colour,
-    ink_on,
-    reason_colour,
-    relation_colour,
-)
+from topple.planner.report.palette import FIXED_COLOUR, Colour, ink_on, reason_colour, relation_colour
 from topple.planner.report.raster import Projection, render_clouds
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput

@@ -245,9 +245,7 @@ def _route(points: list[Point], wide: Mapping[str, float], edge: Edge) -> list[P
 
 
 def _label_places(
-    routes: Mapping[Edge, Sequence[Point]],
-    reasons: Mapping[Edge, tuple[str, ...]],
-    boxes: Mapping[str, Box],
+    routes: Mapping[Edge, Sequence[Point]], reasons: Mapping[Edge, tuple[str, ...]], boxes: Mapping[str, Box]
 ) -> dict[Edge, Point]:
     """Put each label on its arrow where it covers no box, and as few other labels as can be."""
     taken = [(x, y, width, HIGH, len(routes)) for x, y, width in boxes.values()]
