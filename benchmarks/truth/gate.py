@@ -116,7 +116,7 @@ def rows(
     masked = list(masked_cases(some, ALWAYS_MASKED if quick else (*INACCURATE, *WRONG), FOLDER / "given"))
     cases += masked
     found = _asked(version, [case.question for case in cases], progress)
-    told = [*_figures(cases, found), *_words(cases, found)]
+    told = [*_figures(cases, found), *_called(cases, found)]
     chance: dict[tuple[str, str, str], float] = {}
     if not quick or write:
         jittered, chance = _jitter(version, known, found, progress)
@@ -317,7 +317,7 @@ def _bins(cases: Sequence[Case], found: Answers) -> list[Row]:
     return told
 
 
-def _words(cases: Sequence[Case], found: Answers) -> list[Row]:
+def _called(cases: Sequence[Case], found: Answers) -> list[Row]:
     """How many of the steps that are called sure, likely or a guess disturb something."""
     told: list[Row] = []
     for view in VIEWS:

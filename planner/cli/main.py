@@ -212,7 +212,7 @@ def _run(arguments: list[str]) -> int:
     command = _module(args.command)
     from topple.topology.base.errors import InvalidInput, ToppleError
 
-    args.parser = commands[args.command]
+    args.parser, args.said = commands[args.command], tuple
     logging.basicConfig(format="topple: %(message)s")  # warnings: of plugins that are left out
     try:
         return int(command.execute(args))
@@ -226,8 +226,7 @@ def _run(arguments: list[str]) -> int:
 
             goal = args.goal or args.to or f"free {' '.join(args.target)}"
             print_json(refusal_json(args.command, error, goal))
-        message = str(error)
-        certificate: tuple[str, ...] = getattr(error, "certificate", ())
+        message, *certificate = args.said((str(error), *getattr(error, "certificate", ())))
         complain(message, *(line for line in certificate if line not in message))
         return NO_SAFE_PLAN
 

@@ -134,7 +134,9 @@ class Reading:
         options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
         trusted = getattr(args, "masks_as_they_are", False)
         given = (tuple(args.fixed or ()), up, most, args.allow_outside, options)
-        return Reading(*given, seen_robot(args), trusted, not (args.json or getattr(args, "output", None)))
+        return Reading(
+            *given, seen_robot(args), trusted, not (args.json or ("cluster" in args and args.output))
+        )
 
     def scene(self, path: str) -> "Scene":
         """Read the scene at a path.
@@ -163,8 +165,11 @@ class Reading:
 
 
 def read_scene(args: argparse.Namespace, path: str) -> "Scene":
-    """Read one of the scenes as the options say; see `Reading.scene`."""
-    return Reading.of(args).scene(path)
+    """Read one of the scenes as the options say, for what is said of it too; see `Reading.scene`."""
+    reading = Reading.of(args)
+    scene = reading.scene(path)
+    args.said = partial(reading.said, scene)
+    return scene
 
 
 def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":

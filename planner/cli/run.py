@@ -53,7 +53,7 @@ def execute(args: argparse.Namespace) -> int:
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
             ahead=args.ahead, engine=args.engine, video=video, lerobot=taught, photos=place is not None,
             orderer=orderer or cautious, relate=relating,
-            seed=args.seed, progress=progress,
+            seed=args.seed, progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
         from topple.planner.report.names import spoken
 

@@ -76,9 +76,3 @@ GUESS = 0.3
 
 LABEL = 18
 """Letters of a name in a picture; its tooltip has all of it."""
-
-LOOKED = 3
-"""Pairs that are named of those that a next look shows: the rest decides less."""
-
-ABOVE = 1.7
-"""Height of a place as a share of how far it is aside, from which it is above: 60 degrees."""

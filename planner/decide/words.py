@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.decide.hold import Hold
-from topple.planner.decide.tolerances import ABOVE, GUESS, LABEL, LOOKED, SURELY
+from topple.planner.decide.tolerances import GUESS, LABEL, SURELY
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.values import rounded
 
@@ -93,7 +93,7 @@ def order_rows(order: Document) -> list[tuple[str, ...]]:
     """A row for each step of a `topple.order` document: number, object, why, and how sure it is."""
     told, risk, at = order_in_words(order), order.get("risk") or {}, places(order)
     look = order.get("next_view") or {"shows": ()}
-    for pair in look["shows"][:LOOKED]:
+    for pair in look["shows"][:3]:
         first, other = sorted((pair["a"], pair["b"]), key=lambda name: at.get(name, len(at) + 1))
         if first in at and how_sure(risk.get(first) or 0.0) != "sure":
             why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {other} is hidden."
@@ -121,7 +121,7 @@ def _look(view: Document | None) -> str:
     if view is None:
         return "Next view: none would show anything more that the order depends on."
     eye, target = ("(" + ", ".join(f"{value:.2f}" for value in view[key]) + ")" for key in ("eye", "target"))
-    told = listed([f"{one['a']} and {one['b']}" for one in view["shows"][:LOOKED]])
+    told = listed([f"{one['a']} and {one['b']}" for one in view["shows"][:3]])
     share = f"{100 * view['worth']:.0f} % of what is hidden and matters"
     return f"Next view: {view['from']}, {eye} towards {target} m, shows {share}: where {told} may meet."
 
@@ -137,7 +137,7 @@ def side_of(way: FloatArray, right: FloatArray, up: FloatArray) -> str:
     across = right - up * float(right @ up)
     across /= np.linalg.norm(across)
     aside, behind, high = float(way @ across), float(way @ np.cross(up, across)), float(way @ up)
-    if high > ABOVE * np.hypot(aside, behind):
+    if high > 2.0 * np.hypot(aside, behind):  # by more than 63 degrees
         return "from above"
     if abs(aside) > abs(behind):
         return "from the right" if aside > 0 else "from the left"

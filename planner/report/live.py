@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 Moves = Sequence[tuple[str, FloatArray | None]]
 LEAST, MOST = 0.5, 12.0  # [mm] of the deviation: below any camera's noise, and above the worst
-FIELD = 0.8  # [rad] of view, in which what the drawing is framed on just fits
 PACE = {"seconds": 0.1, "steps done": 1.0}  # [s] from one picture to the next as motions or steps are played
 
 
@@ -209,8 +208,8 @@ class LivePage:
     def _frame(self, client: Any) -> None:
         """Look at the objects."""
         view, camera = self._drawing, client.camera
-        camera.up_direction, camera.fov = view.up, FIELD
-        camera.position, camera.look_at = view.eye, view.centre
+        camera.up_direction = view.up
+        camera.position, camera.look_at = (view.eye + view.centre) / 2, view.centre  # its field is wide
 
     def _drawn(self, drawn: DrawnObject) -> Any:
         place, size, scene = f"/objects/{drawn.name}", max(drawn.spacing, 0.002), self._server.scene

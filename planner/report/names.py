@@ -20,13 +20,13 @@ from topple.topology.views.image import DepthImage, Photo
 Value = TypeVar("Value")
 
 _BEFORE = (
-    "above|after|and|before|beside|blocks|by|carries|empty|free|holds?|inside|move|of|on|or|remove|since|taking|to|"
+    "above|after|and|before|beside|blocks|by|carries|empty|free|holds?|inside|move|on|or|remove|since|taking|to|"
     "under|until|with|within"
 )
 _AFTER = (
     "and|are|before|blocks|does|falls|floats|has|have|holds?|is|leans|might|on|or|rests|tips|within|would"
 )
-_NAMED = re.compile(rf"(^|[:;,.] |['(]|\b(?:{_BEFORE}) )(\d+)(?=$|[,:;']| \(|\.(?!\s*\d)| (?:{_AFTER})\b)")
+_NAMED = re.compile(rf"(^|[:;,.] |['(]|\b(?:{_BEFORE}) )(\d+)(?=$|[,:;')]| \(|\.(?!\s*\d)| (?:{_AFTER})\b)")
 """A number in a sentence where a name stands; no count and no measure."""
 
 

@@ -41,7 +41,6 @@ _SATURATION = 0.42
 _ALIKE = 0.05  # turns between hues that look the same; all words in use leave some
 _GREY = 0.2  # share of its brightest channel by which the channels of a grey differ at most
 _BLACK, _WHITE = 0.25, 0.6  # lightness of what is called black at most, and white at least
-_BROWN = 0.45  # the same share, of a brown one at most: a stronger one is red or orange
 _HUES = {
     "red": 0.0,
     "orange": 0.08,
@@ -103,7 +102,7 @@ def colour_word(colour: Colour) -> str:
     if max(colour) - min(colour) < _GREY * max(colour) or max(colour) < 255 * _BLACK:
         return "black" if light < _BLACK else "white" if light > _WHITE else "grey"
     word = min(_HUES, key=lambda name: abs((hue - _HUES[name] + 0.5) % 1.0 - 0.5))
-    pale = max(colour) - min(colour) < _BROWN * max(colour) and light < 0.5
+    pale = max(colour) - min(colour) < 2 * _GREY * max(colour) and light < 0.5
     return "brown" if word in ("red", "orange") and pale else word
 
 
