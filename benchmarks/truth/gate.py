@@ -323,17 +323,10 @@ def _called(cases: Sequence[Case], found: Answers) -> list[Row]:
     for view in VIEWS:
         some = [case for case in cases if case.set in SETS and case.view == view]
         every = [step for case in some for step in words(found[case.question], case.labels)]
-        for word in dict.fromkeys(word for word, _ in sorted(every)):
+        for word in sorted({word for word, _ in every}):
             signs = [sign for called, sign in every if called == word]
-            share = tuple(each / 100 for each in share_interval(sum(signs), len(signs)))
-            told.append(
-                Row(
-                    f"steps called {word} that disturb: {view}, {len(signs)}",
-                    sum(signs) / len(signs),
-                    "",
-                    interval=share,
-                )
-            )
+            what, share = f"steps called {word} that disturb: {view}, {len(signs)}", sum(signs) / len(signs)
+            told.append(Row(what, 100 * share, "%", interval=share_interval(sum(signs), len(signs))))
     return told
 
 
