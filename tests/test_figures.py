@@ -18,7 +18,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MARK = re.compile(r"<!--(\S+): (.*?)-->")
 ENDS = "end of table|arms: end|figures: end"
 MADE = re.compile(rf"<!-- (?:table of|arms: begin|figures: begin).*?<!-- (?:{ENDS}) -->|```.*?```", re.DOTALL)
-SHARE = re.compile(r"(?<!below )(?<!above )(?<!bar: )(?<![\d.])(?!95 %)[\d.]+ %|\d of \d")
+SHARE = re.compile(r"(?<!bar: )(?<![\d.])(?!95 %)[\d.]+ %|\d of \d")
 """A figure that was counted: limits, bars and the 95 % of intervals are said, not counted."""
 
 RECORDS = ("tried.md",)
@@ -62,8 +62,8 @@ def known(mark: re.Match[str]) -> list[float]:
 
 
 def bared(line: str) -> str:
-    """A line without marks, code and the addresses of links."""
-    return re.sub(r"<!--.*?-->|`[^`]*`|\]\([^)]*\)", " ", line)
+    """A line without marks, code, the addresses of links, and limits."""
+    return re.sub(r"<!--.*?-->|`[^`]*`|\]\([^)]*\)|(?:below|above) \S+|\S+ and more", " ", line)
 
 
 def stands(figure: str, among: list[float]) -> bool:
