@@ -24,7 +24,7 @@ _BEFORE = (
     "under|until|with|within"
 )
 _AFTER = (
-    "and|are|before|blocks|does|falls|floats|has|have|holds?|is|leans|might|on|or|rests|tips|within|would"
+    "and|are|before|blocks|does|falls|floats|has|have|holds?|is|leans|might|was|on|or|rests|tips|within|would"
 )
 _NAMED = re.compile(rf"(^|[:;,.] |['(]|\b(?:{_BEFORE}) )(\d+)(?=$|[,:;')]| \(|\.(?!\s*\d)| (?:{_AFTER})\b)")
 """A number in a sentence where a name stands; no count and no measure."""
