@@ -319,14 +319,14 @@ def _bins(cases: Sequence[Case], found: Answers) -> list[Row]:
 
 def _called(cases: Sequence[Case], found: Answers) -> list[Row]:
     """How many of the steps that are called sure, likely or a guess disturb something."""
-    told: list[Row] = []
+    told = list[Row]()
     for view in VIEWS:
-        some = [case for case in cases if case.set in SETS and case.view == view]
-        every = [step for case in some for step in words(found[case.question], case.labels)]
+        asked = (case for case in cases if case.set in SETS and case.view == view)
+        every = [step for case in asked for step in words(found[case.question], case.labels)]
         for word in sorted({word for word, _ in every}):
             signs = [sign for called, sign in every if called == word]
-            what, share = f"steps called {word} that disturb: {view}, {len(signs)}", sum(signs) / len(signs)
-            told.append(Row(what, 100 * share, "%", interval=share_interval(sum(signs), len(signs))))
+            what, bounds = f"that disturb: {view}, {len(signs)}", share_interval(sum(signs), len(signs))
+            told.append(Row(f"steps called {word} {what}", 100 * float(np.mean(signs)), "%", interval=bounds))
     return told
 
 

@@ -83,10 +83,8 @@ def execute(args: argparse.Namespace) -> int:
     whole = "--build" if args.build else "--to"
     of_some = args.target or args.verify or args.robot or args.hands or args.clamped
     if (args.build or args.to) and (of_some or (args.build and args.to)):
-        others = "--target, --verify, --robot, --hands" + (
-            ", --clamped and --to" if args.build else " and --clamped"
-        )
-        args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
+        others = "--robot, --hands" + (", --clamped and --to" if args.build else " and --clamped")
+        args.parser.error(f"{whole} is about the whole arrangement: leave --target, --verify, {others} out")
     own = args.verify or args.robot or args.hands or args.clamped or args.next_view or args.build or args.to
     if args.orderer is not None and own:
         others = "--verify, --robot, --hands, --clamped, --next-view, --build and --to"
@@ -96,15 +94,8 @@ def execute(args: argparse.Namespace) -> int:
         from topple.topology.relations.relate import relate
 
         relating = partial(relating or relate, most_objects=args.max_objects)
-    arm = arm_of(args) if args.robot else None
-    options = {
-        "seed": args.seed,
-        "verify": args.verify,
-        "budget": args.budget,
-        "robot": arm,
-        "hands": args.hands,
-        "clamped": args.clamped,
-    }
+    options = {key: getattr(args, key) for key in ("seed", "verify", "budget", "hands", "clamped")}
+    options["robot"] = arm_of(args) if args.robot else None
     scene_paths(args)  # which may be among the names of --fixed and --target
     reading = Reading.of(args)
     ask: _Ask = partial(_ordered, args.target, args.next_view, options)
