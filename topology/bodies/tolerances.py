@@ -60,11 +60,7 @@ SPACING = 0.006
 ORIENTATIONS = 576
 """Orientations tried: each is within some 20 degrees of one of them, and a fit settles from as far."""
 
-STAGES = (
-    (40, 48, 6, 0.03, False),
-    (16, 150, 8, 0.02, True),
-    (6, 400, 12, 0.008, True),
-)
+STAGES = ((40, 48, 6, 0.03, False), (16, 150, 8, 0.02, True), (6, 400, 12, 0.008, True))
 """Of each stage the poses kept, the points of either side looked at, the rounds, from where on points are not
 matched [m], and whether points of the model that cannot be there count: from outlines down to depth noise."""
 

@@ -199,11 +199,7 @@ class _Bag:
         if stream.info is None or stream.labels is None:
             points, labels = labelled_points(message, where)
             pose = arrays.pop("pose_camera_to_world")
-            arrays |= {
-                "points": transformed(points, pose),
-                "labels": labels,
-                "viewpoints": pose[None, :3, 3],
-            }
+            arrays |= {"points": transformed(points, pose), "labels": labels, "viewpoints": pose[None, :3, 3]}
             parts = parts_from_labelled(arrays)
         else:
             masks, apart = self._nearest(stream.labels, moment[0])

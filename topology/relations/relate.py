@@ -25,10 +25,7 @@ from topple.topology.sixim.relation_table import Extent, LoadedBasis, RelationTa
 RULES: Table[Callable[[Scene, float | None], Rule]] = Table(
     "topple.relations",
     "rule",
-    {
-        "robust": "topple.topology.relations.robust:robust",
-        "plain": "topple.topology.sixim.fast.rule:plainly",
-    },
+    {"robust": "topple.topology.relations.robust:robust", "plain": "topple.topology.sixim.fast.rule:plainly"},
 )
 """What makes each rule for a scene, by the rule's name; the deviation [m] is None where it is not given."""
 
