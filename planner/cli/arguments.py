@@ -55,10 +55,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "which image of a BOP scene or frame of a recording (its first)",
     },
-    "--keyframe": {
-        "metavar": "NAME",
-        "help": "name or number of a keyframe of an MJCF scene (initial)",
-    },
+    "--keyframe": {"metavar": "NAME", "help": "name or number of a keyframe of an MJCF scene (initial)"},
     "--models": {
         "nargs": "?",
         "const": True,
@@ -77,21 +74,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--info": {"metavar": "TOPIC", "help": "topic of its camera's intrinsics (the only one)"},
     "--labels": {"metavar": "TOPIC", "help": "topic of its masks (the only one)"},
     # many scenes
-    "--jobs": {
-        "type": count,
-        "metavar": "N",
-        "help": "several scenes: so many processes (one a core)",
-    },
+    "--jobs": {"type": count, "metavar": "N", "help": "several scenes: so many processes (one a core)"},
     "--cluster": {"metavar": "ADDRESS", "help": "several scenes: the workers of a dask scheduler"},
     # relations and orders
-    "--rule": {
-        "metavar": "NAME",
-        "help": "what relates: robust, plain or a plugin's (robust)",
-    },
-    "--orderer": {
-        "metavar": "NAME",
-        "help": "what orders: fewest, cautious or a plugin's (fewest)",
-    },
+    "--rule": {"metavar": "NAME", "help": "what relates: robust, plain or a plugin's (robust)"},
+    "--orderer": {"metavar": "NAME", "help": "what orders: fewest, cautious or a plugin's (fewest)"},
     "--max-objects": {
         "type": count,
         "metavar": "N",
@@ -173,12 +160,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "help": "wall-clock seconds that the answer may take; what takes longer fails",
     },
     # simulation
-    "--cameras": {
-        "type": int,
-        "choices": (1, 2, 3),
-        "default": 3,
-        "help": "depth cameras that look on (3)",
-    },
+    "--cameras": {"type": int, "choices": (1, 2, 3), "default": 3, "help": "depth cameras that look on (3)"},
     "--mask-noise": {
         "type": float,
         "default": 0.0,

@@ -38,7 +38,7 @@ COMMANDS = {
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
     "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene, ROS 2",
     "mcp": "serve these tools to a language model over stdin and stdout (Model Context Protocol)",
-    "view": "serve a scene as a live page with sliders for its deviation and its steps",
+    "view": "serve a scene as a live page: any deviation, its order or plan played, reasons at a click",
     "show": "draw a scene with its relations and its order",
 }
 
@@ -212,7 +212,7 @@ def _run(arguments: list[str]) -> int:
     command = _module(args.command)
     from topple.topology.base.errors import InvalidInput, ToppleError
 
-    args.parser = commands[args.command]
+    args.parser, args.said = commands[args.command], tuple
     logging.basicConfig(format="topple: %(message)s")  # warnings: of plugins that are left out
     try:
         return int(command.execute(args))
@@ -226,8 +226,7 @@ def _run(arguments: list[str]) -> int:
 
             goal = args.goal or args.to or f"free {' '.join(args.target)}"
             print_json(refusal_json(args.command, error, goal))
-        message = str(error)
-        certificate: tuple[str, ...] = getattr(error, "certificate", ())
+        message, *certificate = args.said((str(error), *getattr(error, "certificate", ())))
         complain(message, *(line for line in certificate if line not in message))
         return NO_SAFE_PLAN
 
