@@ -19,9 +19,8 @@ FREE, AWAY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785], [1.2, -0.6, 0.0, -2.
 def problem(centre: list[float]) -> dict[str, object]:
     """A scene with one box, and the way from one state past it to another."""
     place = {"position": centre, "orientation": [0, 0, 0, 1]}
-    box = {
-        "id": "box", "primitives": [{"type": "box", "dimensions": [0.2, 0.2, 0.2]}], "primitive_poses": [place]
-    }  # fmt: skip
+    shape = {"type": "box", "dimensions": [0.2, 0.2, 0.2]}
+    box = {"id": "box", "primitives": [shape], "primitive_poses": [place]}
     wanted = [{"joint_name": name, "position": value} for name, value in zip(JOINTS, AWAY, strict=True)]
     return {
         "scene": {"world": {"collision_objects": [box]}},
