@@ -154,7 +154,7 @@ class Transfers:
         )
         log = FailureLog(frozenset())
         most = found[: TRANSFER_LIMITS.grasps]
-        return handling.reached(handling.hands(most, station.q, log), True, log)
+        return list(handling.reached(handling.hands(most, station.q, log), True, log))
 
     def _refused(self, name: str) -> TransferFailure:
         return TransferFailure(name, {self.context.given_up[name]: 1}, None)
