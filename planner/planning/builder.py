@@ -16,6 +16,7 @@ from topple.planner.formats.plan_structs import DependencyData, ObjectData, Step
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Away, Destination, Receiver
+from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.planning.order import ordered
 from topple.planner.planning.plan_data import (
     DIGITS,
@@ -83,24 +84,26 @@ class PlanBuilder:
 
     def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
         """Choose one step after the other; `asked` gives the relations before each where there is one."""
-        for _ in range(MOST_STEPS * len(self.situation.movable)):
-            station = Station(self.arm, self.pose_base_to_world, self.q)
-            avoid = dict[str, list[Grasp]]()
-            for transfer in self.barred:
-                avoid.setdefault(transfer.object, []).append(transfer.grasp)
-            context = Context(
-                station, self.done(), upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
-                grasps=self.own(), seed=self.seed, clamped=self.clamped - self.moved.keys(),
-                obstacles=dict(self.beside), away=self.away, avoid=avoid,
-                barred=[transfer.placement for transfer in self.barred],
-            )  # fmt: skip
-            chosen = task.chooser(self.situation, self.goal, context).choose()
-            if chosen is None:
-                return
-            self.take(chosen)
-            if asked is not None:
-                scene = self.situation.scene
-                self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
+        with Rehearsal(self.up) as rehearsal:
+            for _ in range(MOST_STEPS * len(self.situation.movable)):
+                station = Station(self.arm, self.pose_base_to_world, self.q)
+                avoid = dict[str, list[Grasp]]()
+                for transfer in self.barred:
+                    avoid.setdefault(transfer.object, []).append(transfer.grasp)
+                context = Context(
+                    station, self.done(), upright=self.upright, allow_drop=self.allow_drop,
+                    orderer=self.orderer, grasps=self.own(), seed=self.seed,
+                    clamped=self.clamped - self.moved.keys(), obstacles=dict(self.beside), away=self.away,
+                    avoid=avoid, barred=[transfer.placement for transfer in self.barred],
+                    rehearsal=rehearsal,
+                )  # fmt: skip
+                chosen = task.chooser(self.situation, self.goal, context).choose()
+                if chosen is None:
+                    return
+                self.take(chosen)
+                if asked is not None:
+                    scene = self.situation.scene
+                    self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))

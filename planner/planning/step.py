@@ -13,6 +13,7 @@ from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Receiver
 from topple.planner.placement.placement import Placement
+from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
@@ -113,6 +114,7 @@ class Context:
         clamped: What a fixture keeps where it stands until it is taken.
         away: Where things go that are taken; to free places on what is seen where None. What went there and
             is in the way is among the obstacles.
+        rehearsal: The simulated world in which things are let go; None to make one whenever it is asked for.
     """
 
     station: Station
@@ -132,6 +134,7 @@ class Context:
     obstacles: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
     clamped: Collection[str] = ()
     away: Receiver | None = None
+    rehearsal: Rehearsal | None = None
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""

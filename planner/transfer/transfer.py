@@ -230,7 +230,7 @@ class _Search:
         else:
             reached = [iter([self._held]), iter([self._held])]
         for way in self._ways():
-            states, reached[way.lenient] = tee(reached[way.lenient])  # each is looked for once, when asked for
+            states, reached[way.lenient] = tee(reached[way.lenient])  # looked for once, when asked
             for state in islice(states, self.limits.reached):
                 transfer = self._with(state, way)
                 if transfer is not None:
