@@ -42,6 +42,10 @@ _SIGNATURES = {
     ),
     "heights_over": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY, _NUMBER, _ARRAY),
     "outline_corners": (_COUNT, _ARRAY, _COUNT, _ARRAY),
+    "pinch_windows": (
+        None, *[_ARRAY] * 2, _COUNT, *[_ARRAY] * 2, *[_COUNT] * 2, *[_ARRAY] * 2, _COUNT, _ARRAY, _COUNT,
+        _ARRAY, _COUNT, _ARRAY, _COUNT, *[_ARRAY] * 4,
+    ),
     "planes_of_patches": (None, _ARRAY, _COUNT, _COUNT, _ARRAY, _ARRAY, _ARRAY),
     "sphere_nearest": (_COUNT, _ARRAY, _COUNT, _COUNT, _COUNT, _NUMBER, _NUMBER, _ARRAY),
 }  # fmt: skip
