@@ -36,11 +36,20 @@ class Surfaces:
         self._scene, self._like = ref(scene), like
         self._poses = {**{name: np.eye(4) for name in kept}, **(moved or {})}
         self._done: dict[str, FloatArray] = {}
+        self.without_strays: Scene | None = None
+        """The scene as contacts are inferred in it, if they were."""
 
     @property
     def scene(self) -> "Scene | None":
         """The scene, while there is one."""
         return self._scene()
+
+    def before_without_strays(self) -> "Scene | None":
+        """That of the scene this one came of, which is given up with it."""
+        found = None if self._like is None else self._like.without_strays
+        if self._like is not None:
+            self._like.without_strays = None
+        return found
 
     @cached_property
     def upright(self) -> Upright:

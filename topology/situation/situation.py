@@ -207,13 +207,16 @@ class Situation:
         """
         if not len(self.scene.viewpoints):
             return self
-        return replace(
+        found = replace(
             self,
+            known_relations=self.relations,
             known_solids=self.solids,
             known_completed=with_level_undersides(
                 self.completed, set(self.movable) - self.scene.whole, self.up
             ),
         )
+        vars(found)["statics"] = self.statics  # they are of the same clouds
+        return found
 
     def shown(self, places: FloatArray, slack: float) -> BoolArray:
         """Which places cameras saw, a surface there, or what was moved or taken away from there since.
