@@ -115,6 +115,7 @@ class Context:
         away: Where things go that are taken; to free places on what is seen where None. What went there and
             is in the way is among the obstacles.
         rehearsal: The simulated world in which things are let go; None to make one whenever it is asked for.
+        known: What an order from before leaves, which is not asked anew for the same targets.
     """
 
     station: Station
@@ -135,9 +136,12 @@ class Context:
     clamped: Collection[str] = ()
     away: Receiver | None = None
     rehearsal: Rehearsal | None = None
+    known: Order | None = None
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""
+        if self.known is not None and self.known.targets == tuple(targets):
+            return self.known
         hands = None if self.second is None else 2
         return ask(
             self.orderer, situation, targets,

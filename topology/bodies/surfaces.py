@@ -45,10 +45,13 @@ class Surfaces:
         return self._scene()
 
     def before_without_strays(self) -> "Scene | None":
-        """That of the scene this one came of, which is given up with it."""
-        found = None if self._like is None else self._like.without_strays
-        if self._like is not None:
-            self._like.without_strays = None
+        """That of the last scene before that has one, which is given up with it."""
+        like = self._like
+        while like is not None and like.without_strays is None:
+            like = like._like
+        found = None if like is None else like.without_strays
+        if like is not None:
+            like.without_strays = None
         return found
 
     @cached_property
