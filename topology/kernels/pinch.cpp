@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -57,20 +58,28 @@ struct Bounds {
 // Whether more than stray points are brushed by, and met by, a part of the hand whose y counts from `middle`,
 // on one side where `half` is given, outwards from the pad.
 Met passed(const std::vector<Point> &points, const Prism *prisms, int64_t count, double middle, double side,
-           double half, double back, const Numbers &n, std::vector<int64_t> &whose) {
+           double half, double back, const Numbers &n, std::vector<Point> &some, std::vector<int64_t> &whose) {
     Met found = {false, false};
+    double least = INF, most = -INF, front = -INF;
+    for (int64_t k = 0; k < count; ++k) {
+        least = std::min(least, prisms[k].y0 - n.brush_side), most = std::max(most, prisms[k].y1 + n.brush_side);
+        front = std::max(front, prisms[k].front + n.brush_front);
+    }
+    some.clear();
+    for (const Point &p : points) {
+        const double y = side * (p.y - middle) - half, z = p.z - back;
+        if (y > least && y < most && z < front) some.push_back({p.x, y, z, p.margin, p.owner});
+    }
     for (int64_t k = 0; k < count; ++k) {
         const Prism &prism = prisms[k];
         double brushed = 0, met = 0;
-        for (const Point &p : points) {
-            const double z = p.z - back;
-            if (z >= prism.front + n.brush_front) continue;
-            const double y = side * (p.y - middle) - half;
+        for (const Point &p : some) {
+            if (p.z >= prism.front + n.brush_front) continue;
             const double aside =
-                std::max(std::max(prism.x0 - p.x, p.x - prism.x1), std::max(prism.y0 - y, y - prism.y1));
+                std::max(std::max(prism.x0 - p.x, p.x - prism.x1), std::max(prism.y0 - p.y, p.y - prism.y1));
             if (aside >= n.brush_side) continue;
             ++brushed;
-            if (aside < p.margin && z < prism.front + p.margin) ++met, ++whose[p.owner];
+            if (aside < p.margin && p.z < prism.front + p.margin) ++met, ++whose[p.owner];
         }
         found.brushed |= brushed > n.stray;
         found.met |= met > n.stray;
@@ -148,25 +157,20 @@ void pinch_windows(const double *points, const double *normals, int64_t own, con
                    int8_t *states, int64_t *barring, double *values) {
     const Numbers &n = *reinterpret_cast<const Numbers *>(given);
     const Bounds beside(fingers, finger, n), behind(palm, body, n);
-    std::vector<double> offsets(3 * own);
-    std::vector<int64_t> whoses(own, owners);
-    auto within = [&](const double *p) {
+    std::vector<double> offsets[3];
+    std::vector<int64_t> whoses;
+    for (int64_t i = 0; i < own + foreign; ++i) {
+        const double *p = i < own ? points + 3 * i : others + 3 * (i - own);
         const double x = p[0] - origin[0], y = p[1] - origin[1], z = p[2] - origin[2];
-        offsets.insert(offsets.end(), {x, y, z});
-        return x * x + y * y + z * z;
-    };
-    offsets.clear();
-    for (int64_t i = 0; i < own; ++i) within(points + 3 * i);
-    for (int64_t i = 0; i < foreign; ++i) {
-        if (within(others + 3 * i) < n.reach * n.reach)
-            whoses.push_back(owner[i]);
-        else
-            offsets.resize(offsets.size() - 3);
+        if (i >= own && x * x + y * y + z * z >= n.reach * n.reach) continue;
+        offsets[0].push_back(x), offsets[1].push_back(y), offsets[2].push_back(z);
+        whoses.push_back(i < own ? owners : owner[i - own]);
     }
     const int64_t count = static_cast<int64_t>(whoses.size());
     std::vector<double> x(count), y(count), z(count);
     std::vector<Seen> held;
-    std::vector<Point> closing, outside, above;  // what pads, fingers and palm can meet
+    std::vector<std::pair<double, int64_t>> order;  // along the closing axis
+    std::vector<Point> closing, outside, above, some;  // what pads, fingers and palm can meet
     std::vector<double> heights, squares;
     std::vector<int64_t> window, whose(owners + 1);
     const double height = origin[0] * n.up[0] + origin[1] * n.up[1] + origin[2] * n.up[2] - n.floor;
@@ -178,24 +182,29 @@ void pinch_windows(const double *points, const double *normals, int64_t own, con
         double upwards[3];
         along(n.up, upwards);
         for (int64_t i = 0; i < count; ++i) {
-            const double *p = offsets.data() + 3 * i;
-            x[i] = p[0] * r[0] + p[1] * r[3] + p[2] * r[6];
-            y[i] = p[0] * r[1] + p[1] * r[4] + p[2] * r[7];
-            z[i] = p[0] * r[2] + p[1] * r[5] + p[2] * r[8];
+            const double a = offsets[0][i], b = offsets[1][i], c = offsets[2][i];
+            x[i] = a * r[0] + b * r[3] + c * r[6];
+            y[i] = a * r[1] + b * r[4] + c * r[7];
+            z[i] = a * r[2] + b * r[5] + c * r[8];
         }
-        held.clear(), heights.clear(), closing.clear(), outside.clear(), above.clear();
+        held.clear(), order.clear(), heights.clear(), closing.clear(), outside.clear(), above.clear();
         for (int64_t i = 0; i < own; ++i) {
             if (std::abs(x[i]) > n.pad_width / 2.0 || std::abs(y[i]) > n.opens) continue;
-            held.push_back({x[i], y[i], z[i], {0, 0, 0}});
-            along(normals + 3 * i, held.back().normal);
+            order.push_back({y[i], i});
             if (std::abs(y[i]) <= n.opens / 2.0) heights.push_back(z[i]);
         }
         if (heights.size() < 4) continue;
-        std::stable_sort(held.begin(), held.end(), [](const Seen &a, const Seen &b) { return a.y < b.y; });
+        std::sort(order.begin(), order.end());
+        for (const auto &[side, i] : order) {
+            held.push_back({x[i], y[i], z[i], {0, 0, 0}});
+            along(normals + 3 * i, held.back().normal);
+        }
         const size_t rank = std::min(static_cast<size_t>(n.stray), heights.size() - 1);
         std::nth_element(heights.begin(), heights.begin() + rank, heights.end());
         const double top = heights[rank], deepest_tip = top + depths[tried - 1], farthest = deepest_tip - n.tip;
+        const double behind_all = std::max(deepest_tip, farthest + std::max(beside.front, behind.front));
         for (int64_t i = 0; i < count; ++i) {
+            if (z[i] >= behind_all) continue;  // most of what things lie on
             const Point point = {x[i], y[i], z[i], i < own ? n.own : n.under, whoses[i]};
             if (beside.hold(x[i], y[i], z[i], farthest)) outside.push_back(point);
             if (behind.hold(x[i], y[i], z[i], farthest)) above.push_back(point);
@@ -252,8 +261,8 @@ void pinch_windows(const double *points, const double *normals, int64_t own, con
                 state = part == 0 ? FINGERS : PALM;
                 for (const double side : {1.0, -1.0}) {
                     if (part == 1 && side < 0) break;
-                    const Met found = part == 0 ? passed(outside, fingers, finger, middle, side, half, back, n, whose)
-                                                : passed(above, palm, body, middle, side, 0.0, back, n, whose);
+                    const Met found = part == 0 ? passed(outside, fingers, finger, middle, side, half, back, n, some, whose)
+                                                : passed(above, palm, body, middle, side, 0.0, back, n, some, whose);
                     brushed |= found.brushed, met |= found.met;
                 }
             }
