@@ -104,7 +104,7 @@ def _given(sought: Sought, hand: HandShape) -> FloatArray:
     """The kernel's `Numbers`."""
     t = sought.tolerances
     return np.array([
-        *sought.up, sought.around.floor, hand.pad_width, hand.pad_length, hand.max_opening, hand.tip,
+        *sought.up, sought.around.floor, hand.pad_width, hand.pad_length + ROUGH, hand.max_opening, hand.tip,
         t.spacing, t.side_clearance, t.least_side_clearance, t.under_clearance, OWN_MARGIN, *PINCH_BRUSH,
         np.arctan(t.friction), EDGE, SLOPED, SLOPE_LENGTH, NORMAL_BIAS, ROD, PINCH_TIGHT, t.reach,
         t.stray_points, FEW, SLICES,
@@ -211,8 +211,9 @@ def _holds(look: _Look, sought: Sought, hand: HandShape) -> _Hold:
     tolerances = sought.tolerances
     depths = np.array(tolerances.depths)
     tips = look.top[:, None] + depths
+    backs = tips - hand.pad_length - ROUGH  # a depth may be as long as a pad is
     z = look.held.points[:, None, :, 2]
-    window = look.held.there[:, None] & (z <= tips[..., None]) & (z >= tips[..., None] - hand.pad_length)
+    window = look.held.there[:, None] & (z <= tips[..., None]) & (z >= backs[..., None])
     row, at = np.nonzero(np.count_nonzero(window, axis=2) >= 3)
     y, window = look.held.points[row, :, 1], window[row, at]
     low, high = extents(y, window, tolerances)

@@ -266,8 +266,10 @@ void pinch_windows(const double *points, const double *normals, int64_t own, con
                     brushed |= found.brushed, met |= found.met;
                 }
             }
-            barring[f * tried + d] = most(whose);
-            if (met) continue;
+            if (met) {
+                barring[f * tried + d] = most(whose);
+                continue;
+            }
             double deepest = -INF, widest[2] = {-INF, -INF}, worst = 1.0;
             for (const int64_t i : window) deepest = std::max(deepest, held[i].z);
             for (const Seen &p : held) {
