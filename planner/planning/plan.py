@@ -28,7 +28,6 @@ from topple.robots.engines import BULLET, INSTALLED
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.workers import all_of
-from topple.topology.bodies.solids import up_of
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.relations.relate import Relations
 from topple.topology.scene.scene import Scene
@@ -112,7 +111,6 @@ def plan(
     task, scene = GoalTask.of(goal), as_scene(scene)
     scene = scene if base is None else scene.with_base(base)
     wanted = task.goal(scene)
-    up_of(scene)
     scene = check_masks(scene, wanted.names)
     asked = None if relations is None or isinstance(relations, Relations) else relations
     first = check_relations(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
