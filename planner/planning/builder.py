@@ -246,7 +246,10 @@ class PlanBuilder:
 
 
 def _left_by(chosen: NextStep, situation: Situation) -> Order | None:
-    """What an order leaves once its first object is gone; None where that met others, which it may have held.
+    """What an order leaves once its first object is gone.
+
+    None where that met others, which it may have held, and where what stood first could not be taken: then
+    something else may better be next.
 
     Args:
         chosen: The step.
@@ -255,7 +258,7 @@ def _left_by(chosen: NextStep, situation: Situation) -> Order | None:
     name, order = chosen.transfer.object, chosen.order
     meeting = {frozenset((each.a, each.b)) for each in situation.contacts} | situation.relations.meeting
     beside = {other for pair in meeting if name in pair for other in pair} - situation.scene.fixed
-    if beside > {name} or order.order[:1] != (name,):
+    if beside > {name} or chosen.fallbacks or order.order[:1] != (name,):
         return None
     left = tuple(target for target in order.targets if target != name)
     return replace(order.as_taken(order.order[1:]), targets=left)
