@@ -51,8 +51,8 @@ class Drops:
             known = scene is not None and which in scene.centres
             return replace(made, centre_of_mass=scene.centres[which]) if scene and known else made
 
-        self._own = Rehearsal(up) if rehearsal is None else None
-        kept = rehearsal or self._own or Rehearsal(up)
+        kept = Rehearsal(up) if rehearsal is None else rehearsal
+        self._own = kept if rehearsal is None else None
         self.name, self._level, self._loose = name, kept.level, sorted({*loose} - {name})
         rough = {} if scene is None else scene.friction
         still = [other for other in bodies if other != name and other not in loose]

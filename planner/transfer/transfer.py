@@ -224,6 +224,7 @@ class _Search:
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
         """Complete a transfer that starts with one of some grasps, best first, or say why there is none."""
         self._barred: list[tuple[Reached, _Way]] = []
+        reached: list[Iterator[Reached]]
         if self._held is None:
             both = tee(self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log))
             reached = [self.handling.reached(hands, bool(k), self.log) for k, hands in enumerate(both)]
