@@ -65,7 +65,7 @@ class Grips:
         closing = {name for name, tool in handling.arm.tools.items() if tool.gripper.limits.opening}
         grasps = [each for each in found if each.tool in closing and not any(map(each.near, avoid))]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
-        self.states = handling.reached(hands, False, log)
+        self.states = list(handling.reached(hands, False, log))
 
     def proven(self, state: Reached) -> Grip | None:
         """The grip that ends in one of the states, with proven motions; None, noted, where there are none."""

@@ -89,7 +89,15 @@ class Situation:
             return self.known_relations
         if self.origin is None or self.origin.pose is None:
             return relate(self.scene)
-        return self.origin.before.relations.followed(self.scene)
+        before = self.origin.before
+        while before.origin is not None and before.origin.pose is not None and not before.is_related:
+            before = before.origin.before  # nobody has asked of those between
+        return before.relations.followed(self.scene)
+
+    @property
+    def is_related(self) -> bool:
+        """Whether the relations were worked out already."""
+        return self.known_relations is not None or "relations" in vars(self)
 
     @cached_property
     def statics(self) -> Statics:
@@ -207,13 +215,16 @@ class Situation:
         """
         if not len(self.scene.viewpoints):
             return self
-        return replace(
+        found = replace(
             self,
+            known_relations=self.relations,
             known_solids=self.solids,
             known_completed=with_level_undersides(
                 self.completed, set(self.movable) - self.scene.whole, self.up
             ),
         )
+        vars(found)["statics"] = self.statics  # they are of the same clouds
+        return found
 
     def shown(self, places: FloatArray, slack: float) -> BoolArray:
         """Which places cameras saw, a surface there, or what was moved or taken away from there since.
