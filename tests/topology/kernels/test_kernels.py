@@ -302,18 +302,21 @@ def test_no_pixel_is_lost_between_neighbours():
 
 @pytest.mark.slow
 def test_kernels_stay_within_their_memory(tmp_path):
-    """The tests above under the address and undefined-behaviour sanitizers."""
+    """The tests above, and those of kernels elsewhere, under address and undefined-behaviour sanitizers."""
     library = tmp_path / build.library().name
     why = build.build(("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1"), library)
     asked = [str(build.compiler()), "-print-file-name=libasan.so"]
     asan = subprocess.run(asked, capture_output=True, text=True)
     if why is not None or not Path(asan.stdout.strip()).is_absolute():
         pytest.skip(f"no sanitizers here: {why or 'no libasan'}")
+    tests = Path(__file__).parents[2]
+    elsewhere = (tests / "planner/grasp/test_windows.py", tests / "robots/arm/test_inverse.py")
     code = (
         "import sys, pytest\n"
         "from topple.topology.kernels import compiled\n"
         f"compiled.library = lambda: __import__('pathlib').Path({str(library)!r})\n"
-        f"sys.exit(pytest.main([{__file__!r}, '-qm', 'not slow', '-pno:cacheprovider', '-Wignore']))"
+        f"sys.exit(pytest.main({[__file__, *map(str, elsewhere)]!r} + "
+        "['-qm', 'not slow', '-pno:cacheprovider', '-Wignore']))"
     )
     settings = {"LD_PRELOAD": asan.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0", "PATH": "/usr/bin:/bin"}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=settings)
