@@ -135,7 +135,10 @@ class Reading:
         trusted = getattr(args, "masks_as_they_are", False)
         given = (tuple(args.fixed or ()), up, most, args.allow_outside, options)
         return Reading(
-            *given, seen_robot(args), trusted, not (args.json or ("cluster" in args and args.output))
+            *given,
+            seen_robot(args),
+            trusted,
+            not (args.json or ("cluster" in args and vars(args).get("output"))),
         )
 
     def scene(self, path: str) -> "Scene":
