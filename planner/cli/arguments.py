@@ -2,11 +2,25 @@
 
 import argparse
 import math
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from topple.planner.cli.main import ShowVersion
 from topple.robots.engines import DEFAULT_ENGINE, ENGINES
+
+
+class ShowVersion(argparse.Action):
+    """Looks the version up only when asked: the metadata takes longer than the rest of the start."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print the version and leave."""
+        from importlib.metadata import version
+
+        from topple.topology.base.errors import DISTRIBUTION
+        from topple.topology.kernels.compiled import path_in_words
+
+        sys.stdout.write(f"topple {version(DISTRIBUTION)}, {path_in_words()}\n")
+        parser.exit()
 
 
 def _above(least: float, number: Callable[[str], float], expected: str) -> Callable[[str], float]:

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from topple.planner.cli.arguments import OPTIONS
+
 _OPTIONS = {"most_bytes": "--max-mb", "most_objects": "--max-objects"}
 """Keywords of Python whose options are called otherwise."""
 
@@ -41,8 +43,6 @@ def complain(*lines: str) -> None:
 
 def in_options(text: str) -> str:
     """A message of the library as the command line says it: its options in place of keywords of Python."""
-    from topple.planner.cli.arguments import OPTIONS
-
     flags = {flag.lstrip("-").replace("-", "_"): flag for flag in OPTIONS} | _OPTIONS
 
     def option(match: re.Match[str]) -> str:

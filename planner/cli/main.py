@@ -19,6 +19,7 @@ from importlib.util import find_spec
 from types import ModuleType
 from typing import NoReturn
 
+from topple.planner.cli.arguments import ShowVersion
 from topple.planner.cli.console import complain
 
 DONE, NO_SAFE_PLAN, WRONG_USE, CRASHED, INTERRUPTED = 0, 1, 2, 70, 130
@@ -120,20 +121,6 @@ class ShowCompletion(argparse.Action):
 
         parsers = {name: _parser(name)[1][name] for name in COMMANDS if _is_here(name)}
         sys.stdout.write(completion(str(shell), parsers))
-        parser.exit(DONE)
-
-
-class ShowVersion(argparse.Action):
-    """Looks the version up only when asked: the metadata takes longer than the rest of the start."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        """Print the version and leave."""
-        from importlib.metadata import version
-
-        from topple.topology.base.errors import DISTRIBUTION
-        from topple.topology.kernels.compiled import path_in_words
-
-        sys.stdout.write(f"topple {version(DISTRIBUTION)}, {path_in_words()}\n")
         parser.exit(DONE)
 
 
