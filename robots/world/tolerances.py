@@ -152,7 +152,7 @@ CLAMPING = 500.0
 # -- bullet_sleep
 
 ASLEEP_AFTER = 0.5
-"""[s] that all must rest before it sleeps: what is about to tip is slow for a fifth of that, 10 cm tall."""
+"""[s] that bodies must rest before they sleep: the speed of one of 10 cm that tips grows e-fold in 0.08 s."""
 
 ASLEEP_EACH = 12
 """Steps between two looks at whether it rests: a twentieth of a second."""
@@ -176,4 +176,4 @@ FLOOR_COLOUR = (205.0, 205.0, 210.0)
 """Red, green, blue, 0..255, of concrete."""
 
 ARM_TRIANGLES = 12_000
-"""Triangles that an arm is drawn with: 2 mm off its visual meshes, half of what they have."""
+"""Most triangles that an arm is drawn with: of a Panda's 103,000, 99 % of corners within 2 mm of them."""
