@@ -1,7 +1,7 @@
 """Other planners on the same problems: each runs in a Python of its own, on the arm and boxes we hand over.
 
 Environments are looked for in the folder that the variable `TOPPLE_PEERS` names, else in `.peers`: a peer
-runs where `FOLDER/NAME/bin/python` exists. `make peers` sets both up.
+runs where `FOLDER/NAME/bin/python` exists. `make peers` sets up all but VAMP, of which no wheel is published.
 """
 
 import json
@@ -20,7 +20,7 @@ from topple.benchmarks.peers.handover import handed_over
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import ToppleError
 
-PEERS = {"pybullet-planning": "pybullet_planning_peer.py", "mplib": "mplib_peer.py"}
+PEERS = {"pybullet-planning": "pybullet_planning_peer.py", "mplib": "mplib_peer.py", "vamp": "vamp_peer.py"}
 """Scripts by the name of the package that each drives."""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.tolerances import ALIKE, CENTRAL, ENOUGH, FRAMES_FLAT, LEANING
 from topple.topology.base.arrays import FloatArray
+from topple.topology.geometry.axes import cross
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +103,6 @@ def _facing(points: FloatArray, up: FloatArray) -> FloatArray:
     values, vectors = np.linalg.eigh(np.cov(points.T))
     normal = vectors[:, 0] if vectors[:, 0] @ up > 0 else -vectors[:, 0]
     return normal if values[0] < 0.15 * values[1] and normal @ up > 0.8 else up
-
-
-def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross product of two (3,) vectors, without the overhead of the general one."""
-    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def spread(points: FloatArray, first: FloatArray, count: int) -> list[int]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.planner.grasp.frames import Frames, cross
+from topple.planner.grasp.frames import Frames
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.shape import Sought
 from topple.planner.grasp.tolerances import (
@@ -15,6 +15,7 @@ from topple.planner.grasp.tolerances import (
     GraspTolerances,
 )
 from topple.topology.base.arrays import FloatArray
+from topple.topology.geometry.axes import cross
 
 
 def rim_frames(sought: Sought, hand: HandShape) -> list[Frames]:

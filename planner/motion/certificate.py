@@ -16,6 +16,7 @@ from topple.robots.arm.kinematics import Chain
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
 from topple.robots.collision.tolerances import ROUNDING
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.kernels.compiled import address, kernels
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,23 +117,14 @@ class Certifier:
         way = work.ends[intervals.edge] - work.starts[intervals.edge]
         middle = work.starts[intervals.edge] + intervals.middle[:, None] * way
         poses = self._chain.poses(middle)
-        frames = Frames.of(poses)
-        centres = frames.points(self._model.sets.frame, self._model.sets.centre)
         spans = (np.abs(way) * intervals.half[:, None]).astype(np.float32)
-        a, b = self._a[pair], self._b[pair]
-        motion = self._bounds.relative(self._bounds.of(frames, spans, centres), item, a, b)
-        need = motion + self._margin[pair] + np.float32(clearance + 2 * ROUNDING)
-        direction, apart = self._spheres(centres, item, a, b)
-        far = apart > need
-        self._note(work, intervals.edge[item[far]], pair[far], (apart - motion)[far])
-        near = np.flatnonzero(~far)
-        candidates = Candidates(item[near], a[near], b[near], direction[near], need[near])
-        gap = gaps(self._model.sets, frames, candidates, iterations=DIRECTIONS)
-        proven = gap > need[near]
-        sure = near[proven]
-        self._note(work, intervals.edge[item[sure]], pair[sure], (gap - motion[near])[proven])
-        open_ = near[~proven]
-        touching = gap[~proven] <= self._margin[pair[open_]] + clearance
+        wanted = self._margin[pair] + np.float32(clearance + 2 * ROUNDING)
+        asked_of = Asked(item, self._a[pair], self._b[pair], wanted)
+        motion, gap = self._bounds.of(Frames.of(poses), spans, asked_of)
+        proven = gap > motion + wanted
+        sure, open_ = np.flatnonzero(proven), np.flatnonzero(~proven)
+        self._note(work, intervals.edge[item[sure]], pair[sure], (gap - motion)[sure])
+        touching = gap[open_] <= self._margin[pair[open_]] + clearance
         fine = (motion[open_] < FINEST) | last
         asked = np.flatnonzero(touching | fine)
         settled = self._ask(work, intervals, middle, poses, item, pair, motion, open_[asked], clearance, last)
@@ -185,21 +177,6 @@ class Certifier:
         stated = self._stated[pairs]
         work.note(edges[stated], distances[stated])
 
-    def _spheres(
-        self, centres: Float32Array, item: IntArray, a: IntArray, b: IntArray
-    ) -> tuple[Float32Array, Float32Array]:
-        """First directions, and distances that bounding volumes vouch for."""
-        sets = self._model.sets
-        centre, other = centres[:, a, item].T, centres[:, b, item].T
-        standing = sets.frame[b] == 0
-        boxed = np.clip(centre, sets.lower[b], sets.upper[b])
-        direction = centre - np.where(standing[:, None], boxed, other)
-        apart = np.sqrt(np.einsum("ij,ij->i", direction, direction))
-        apart -= sets.radius[a] + np.where(standing, 0, sets.radius[b])
-        inside = ~direction.any(axis=1)
-        direction[inside] = (centre - other)[inside]
-        return direction, apart
-
 
 @dataclass(frozen=True, eq=False)
 class _Work:
@@ -228,6 +205,16 @@ def _first(starts: FloatArray, ends: FloatArray) -> _Intervals:
     return _Intervals(edge, (2 * index + 1) * half, half)
 
 
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """Part pairs a, b (T,) on intervals (T,), and how far apart [m] (T,) each is to be for any motion."""
+
+    interval: IntArray
+    a: IntArray
+    b: IntArray
+    wanted: Float32Array
+
+
 class MotionBounds:
     """Bounds on the motion of every part relative to every frame nearer the base.
 
@@ -240,10 +227,50 @@ class MotionBounds:
         self._sets = model.sets
         self._revolute = chain.revolute
         self._axes = chain.axes.astype(np.float32)
-        self._beyond = [np.flatnonzero(model.sets.frame > j) for j in range(chain.size)]
 
-    def of(self, frames: Frames, spans: Float32Array, centres: Float32Array) -> Float32Array:
-        """Bounds in m states.
+    def of(self, frames: Frames, spans: Float32Array, asked: Asked) -> tuple[Float32Array, Float32Array]:
+        """By how much motion brings parts together, and how far apart they are in the middle.
+
+        Args:
+            frames: Where the frames are in the m middle states.
+            spans: (m, n) by how much each joint may differ from the middle state.
+            asked: The pairs.
+
+        Returns:
+            (T,) bounds of the motion [m] and (T,) of the distance [m], by bounding volumes where they vouch
+            for enough.
+        """
+        compiled, poses = kernels(), frames.poses
+        if compiled is None:
+            return self._by_twin(frames, spans, asked)
+        motion, apart = np.empty(len(asked.a), np.float32), np.empty(len(asked.a), np.float32)
+        compiled.separation_intervals(
+            address(self._sets.table), address(poses), len(poses), poses.shape[3], address(self._axes),
+            address(self._revolute), address(spans), address(asked.interval), address(asked.a),
+            address(asked.b), len(asked.a), address(asked.wanted), DIRECTIONS, address(motion),
+            address(apart),
+        )  # fmt: skip
+        return motion, apart
+
+    # -- the twin
+
+    def _by_twin(
+        self, frames: Frames, spans: Float32Array, asked: Asked
+    ) -> tuple[Float32Array, Float32Array]:
+        sets, item, a, b = self._sets, asked.interval, asked.a, asked.b
+        centres = frames.points(sets.frame, sets.centre)
+        near = np.minimum(sets.frame[a], sets.frame[b])
+        far = np.where(sets.frame[a] > sets.frame[b], a, b)
+        motion = self._moved(frames, spans, centres)[near, far, item]
+        need = motion + asked.wanted
+        direction, apart = self._spheres(centres, item, a, b)
+        left = np.flatnonzero(apart <= need)
+        candidates = Candidates(item[left], a[left], b[left], direction[left], need[left])
+        apart[left] = gaps(sets, frames, candidates, iterations=DIRECTIONS)
+        return motion, apart
+
+    def _moved(self, frames: Frames, spans: Float32Array, centres: Float32Array) -> Float32Array:
+        """Bounds of the motion in m states.
 
         Args:
             frames: Where the frames are in the m middle states.
@@ -259,7 +286,7 @@ class MotionBounds:
         axes = np.einsum("jabm,jb->jam", frames.poses[1:, :, :3], self._axes)
         for j in range(joints - 1, -1, -1):
             # parts are not sorted by frame: those beyond the joint are picked
-            beyond = self._beyond[j]
+            beyond = np.flatnonzero(self._sets.frame > j)
             span = spans[:, j]
             moved = result[j + 1, beyond]
             if self._revolute[j]:
@@ -273,8 +300,17 @@ class MotionBounds:
             result[j, beyond] = moved
         return result
 
-    def relative(self, bounds: Float32Array, state: IntArray, a: IntArray, b: IntArray) -> Float32Array:
-        """Bounds (T,) on how much the distance of parts a and b changes, from `of`'s result."""
-        near = np.minimum(self._sets.frame[a], self._sets.frame[b])
-        far = np.where(self._sets.frame[a] > self._sets.frame[b], a, b)
-        return bounds[near, far, state]
+    def _spheres(
+        self, centres: Float32Array, item: IntArray, a: IntArray, b: IntArray
+    ) -> tuple[Float32Array, Float32Array]:
+        """First directions, and distances that bounding volumes vouch for."""
+        sets = self._sets
+        centre, other = centres[:, a, item].T, centres[:, b, item].T
+        standing = sets.frame[b] == 0
+        boxed = np.clip(centre, sets.lower[b], sets.upper[b])
+        direction = centre - np.where(standing[:, None], boxed, other)
+        apart = np.sqrt(np.einsum("ij,ij->i", direction, direction))
+        apart -= sets.radius[a] + np.where(standing, 0, sets.radius[b])
+        inside = ~direction.any(axis=1)
+        direction[inside] = (centre - other)[inside]
+        return direction, apart

@@ -6,19 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.planner.motion.broad import BroadPhase
 from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import Attachment, CollisionModel
 from topple.planner.motion.obstacles import Obstacle
+from topple.planner.motion.open_pairs import OpenPairs
 from topple.planner.motion.tolerances import EDGE_STEP, ROUNDED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
 SMALL = 96  # states that cost little more than a few: such a batch is not divided
-FEW = 64  # open pairs that python-fcl settles sooner than another round of separating directions
 FAR = 1e3  # [m] where nothing is
 
 
@@ -82,7 +80,7 @@ class Checker:
         self.model = CollisionModel.of(
             arm, pose_base_to_world, obstacles, tool_state or arm.open_hand, attached, allow, margin
         )
-        self._broad = BroadPhase(self.model)
+        self._open = OpenPairs(self.model)
         self.exact = ExactPhase(self.model)
 
     def keeping(self, clearance: float, states: FloatArray | None = None) -> "Checker":
@@ -115,7 +113,7 @@ class Checker:
         """A checker of the same parts and pairs with other margins."""
         other = copy(self)
         other.model = replace(self.model, margin=margin)
-        other._broad = BroadPhase(other.model)
+        other._open = OpenPairs(other.model)
         return other
 
     def free(self, q: FloatArray) -> BoolArray:
@@ -230,29 +228,15 @@ class Checker:
         self, poses: FloatArray, owner: IntArray, every: bool = False, carried: bool = False
     ) -> tuple[IntArray, IntArray, IntArray]:
         """The same for frames (n + 1, 3, 4, m); with `carried` for what the last one carries alone."""
-        frames = Frames.of(poses)
-        candidates = self._broad.candidates(frames)
-        if carried:
-            frame = self.model.sets.frame
-            candidates = candidates.subset(
-                (frame[candidates.a] == len(poses) - 1) & (frame[candidates.b] == 0)
-            )
-        gap = gaps(self.model.sets, frames, candidates, few=FEW)
-        keep = np.flatnonzero(gap <= candidates.need)
-        return self._decide(poses, owner, candidates.subset(keep), gap[keep], every)
-
-    def _decide(
-        self, poses: FloatArray, owner: IntArray, left: Candidates, gap: Float32Array, every: bool
-    ) -> tuple[IntArray, IntArray, IntArray]:
-        # likeliest pairs first: one hit settles an owner
-        left = left.subset(np.argsort(gap, kind="stable"))
-        margin = (self.model.margin[left.a] + self.model.margin[left.b]).tolist()
-        which, row = np.unique(left.state, return_inverse=True)
-        if len(which):
-            self.exact.load(poses[..., which])
+        state, a, b = self._open.among(poses, carried)  # likeliest pairs first: one hit settles an owner
+        if not len(state):
+            return state, a, b
+        margin = (self.model.margin[a] + self.model.margin[b]).tolist()
+        which, row = np.unique(state, return_inverse=True)
+        self.exact.load(poses[..., which])
         hits: list[tuple[int, int, int]] = []
         settled: set[int] = set()
-        columns = (row, owner[left.state], left.state, left.a, left.b)
+        columns = (row, owner[state], state, a, b)
         for (r, whose, s, i, j), wanted in zip(np.stack(columns, axis=1).tolist(), margin, strict=True):
             if whose in settled and not every:
                 continue

@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.planner.placement.tolerances import ALIKE, FLAT_SHARE, FLATNESS, MOST_RESTS, MOST_TILT
 from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import hull_vertices
-from topple.topology.geometry.axes import level_axes
+from topple.topology.geometry.axes import cross, level_axes
 from topple.topology.geometry.samples import centre_of_mass
 from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
@@ -161,7 +161,7 @@ def _face_normals(corners: FloatArray, up: FloatArray, same: float = 0.14) -> li
         return [-up]
     normals = hull.equations[:, :3]
     edges = corners[hull.simplices]
-    areas = np.linalg.norm(np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0]), axis=1) / 2.0
+    areas = np.linalg.norm(cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0]), axis=1) / 2.0
     kept: list[FloatArray] = []
     for index in np.argsort(-areas, kind="stable"):
         if areas[index] == 0.0:  # corners in a line: no face, and nothing stands on it
@@ -177,7 +177,7 @@ def _face_normals(corners: FloatArray, up: FloatArray, same: float = 0.14) -> li
 
 def _rotation_between(a: FloatArray, b: FloatArray) -> FloatArray:
     """The smallest rotation that takes unit vector a to unit vector b."""
-    axis, cosine = np.cross(a, b), float(np.clip(a @ b, -1.0, 1.0))
+    axis, cosine = cross(a, b), float(np.clip(a @ b, -1.0, 1.0))
     if cosine < -1.0 + 1e-9:
         axis, _ = level_axes(a)
         return 2.0 * np.outer(axis, axis) - np.eye(3)

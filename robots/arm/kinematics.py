@@ -10,6 +10,8 @@ from topple.robots.arm.tolerances import ROUNDING
 from topple.robots.arm.urdf import Joint, Model
 from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.base.errors import InvalidInput
+from topple.topology.geometry.axes import cross
+from topple.topology.kernels.compiled import address, kernels
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +101,12 @@ class Chain:
         Returns:
             (n + 1, 3, 4, m) rotations beside translations in the base; index 0 is the base itself.
         """
-        count = len(q)
+        count, compiled = len(q), kernels()
+        if compiled is not None:
+            states, found = np.ascontiguousarray(q, dtype=float), np.empty((self.size + 1, 3, 4, count))
+            given = address(self.terms), address(self.revolute), self.size, address(states), count
+            compiled.chain_poses(*given, address(found))
+            return found
         values = np.ascontiguousarray(q.T, dtype=float)
         weights = np.ones((self.size, 3, count))
         weights[:, 1] = np.where(self.revolute[:, None], np.cos(values), values)
@@ -126,7 +133,7 @@ class Chain:
         axes = np.matmul(frames[:, 1:, :3, :3], self.axes[:, :, None])[..., 0]
         arms = points[:, None, :] - frames[:, 1:, :3, 3]
         turning = self.revolute[:, None]
-        linear = np.where(turning, _cross(axes, arms), axes)
+        linear = np.where(turning, cross(axes, arms), axes)
         angular = np.where(turning, axes, 0.0)
         return np.concatenate([linear, angular], axis=2).transpose(0, 2, 1)
 
@@ -151,12 +158,6 @@ def driven_joints(
     if not joints:
         raise InvalidInput(f"{named}: no joint moves {tool_frame!r}: expected an arm, with joints that move")
     return tuple(joints), tuple(before)
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross products of vectors (..., 3): that of numpy takes twice as long for as few as these."""
-    (ax, ay, az), (bx, by, bz) = np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def _joint_terms(joint: Joint) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -9,6 +9,7 @@ import numpy as np
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.tolerances import GRAVITY
 from topple.topology.base.arrays import FloatArray
+from topple.topology.geometry.axes import cross
 
 
 class Strain(NamedTuple):
@@ -82,7 +83,7 @@ def gravity_torques(
     behind = np.cumsum(placed[:, ::-1], axis=1)[:, ::-1]
     weighs = np.cumsum(masses[::-1])[::-1]
     axes = np.matmul(frames[..., :3, :3], arm.chain.axes[:, :, None])[..., 0]
-    turning = np.einsum("mnk,mnk->mn", axes, np.cross(behind - weighs[:, None] * origins, up))
+    turning = np.einsum("mnk,mnk->mn", axes, cross(behind - weighs[:, None] * origins, up))
     return GRAVITY * np.where(arm.chain.revolute, turning, weighs * (axes @ up))
 
 

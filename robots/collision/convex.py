@@ -8,6 +8,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.collision.tolerances import REDUCTION
 from topple.topology.base.arrays import FloatArray, IntArray, frozen, rounded
+from topple.topology.geometry.axes import cross
 
 
 def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -31,7 +32,7 @@ def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:
     triangles: IntArray = index[hull.simplices]
     vertices: FloatArray = hull.points[hull.vertices]
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    inward = np.einsum("ij,ij->i", cross(b - a, c - a), hull.equations[:, :3]) < 0
     triangles[inward] = triangles[inward][:, ::-1]
     return vertices, triangles
 
@@ -109,10 +110,10 @@ def bounding_sphere(points: FloatArray) -> tuple[FloatArray, float]:
 def _sphere(data: bytes) -> tuple[FloatArray, float]:
     points = np.frombuffer(data).reshape(-1, 3)
     centre = points.mean(axis=0)  # stays within the hull, as every step goes towards a point
-    for k in range(2, 200):  # Badoiu and Clarkson: walk towards the farthest point in shrinking steps
-        farthest = points[np.argmax(np.sum((points - centre) ** 2, axis=1))]
-        centre = centre + (farthest - centre) / k
-    return frozen(centre), float(np.sqrt(np.sum((points - centre) ** 2, axis=1).max()))
+    for k in range(2, 100):  # Badoiu and Clarkson: walk towards the farthest point in shrinking steps
+        away = points - centre
+        centre = centre + away[np.einsum("ij,ij->i", away, away).argmax()] / k
+    return frozen(centre), float(np.linalg.norm(points - centre, axis=1).max())
 
 
 def padded(sets: list[FloatArray]) -> NDArray[np.float32]:

@@ -8,6 +8,7 @@ as that segment comes; the next direction points there.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from topple.robots.collision.convex import bounding_sphere, padded, reduced
 from topple.robots.collision.tolerances import ROUNDING
 from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.kernels.compiled import address, kernels
 
 Float32Array = NDArray[np.float32]
 
@@ -65,6 +67,13 @@ class ConvexSets:
             np.array([vertices.max(axis=0) for vertices in sets], dtype=np.float32).reshape(-1, 3),
         )
 
+    @cached_property
+    def table(self) -> IntArray:
+        """The kernels' `Sets`: where the arrays are, and how many vertices and parts."""
+        arrays = self.frame, self.vertices, self.centre, self.radius, self.slack, self.lower, self.upper
+        assert all(array.flags.c_contiguous for array in arrays)
+        return np.array([*map(address, arrays), self.vertices.shape[2], len(self.frame)], dtype=np.int64)
+
 
 @dataclass(frozen=True, eq=False)
 class Frames:
@@ -79,7 +88,7 @@ class Frames:
     @staticmethod
     def of(poses: FloatArray) -> "Frames":
         """Round what `Chain.poses` gives."""
-        return Frames(poses.astype(np.float32))
+        return Frames(np.ascontiguousarray(poses, dtype=np.float32))
 
     def points(self, frame: IntArray, points: Float32Array) -> Float32Array:
         """Where points are.
@@ -120,9 +129,7 @@ class Candidates:
         return Candidates(self.state[keep], self.a[keep], self.b[keep], self.direction[keep], self.need[keep])
 
 
-def gaps(
-    sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: int = 4, few: int = 0
-) -> Float32Array:
+def gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: int = 4) -> Float32Array:
     """Lower bounds of the distances of part pairs, improved until they are enough or the iterations end.
 
     Args:
@@ -130,11 +137,28 @@ def gaps(
         frames: Where the frames are in each state.
         candidates: The pairs, and the gap each needs.
         iterations: Directions to try.
-        few: Stop where no more than this many pairs are open.
 
     Returns:
         (T,) in [m]: a pair is at least this far apart; at or below zero nothing is proven.
     """
+    compiled, found = kernels(), np.empty(len(candidates.state), dtype=np.float32)
+    if compiled is None:
+        return _gaps(sets, frames, candidates, iterations)
+    poses, given = frames.poses, (candidates.state, candidates.a, candidates.b)
+    state, a, b = (np.ascontiguousarray(each, dtype=np.int64) for each in given)
+    direction, need = (np.ascontiguousarray(e, np.float32) for e in (candidates.direction, candidates.need))
+    compiled.separation_gaps(
+        address(sets.table), address(poses), len(poses), poses.shape[3], address(state), address(a),
+        address(b), len(state), address(direction), address(need), iterations, address(found),
+    )  # fmt: skip
+    return found
+
+
+# -- the twin
+
+
+def _gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: int) -> Float32Array:
+    """What the kernel finds."""
     best = np.full(len(candidates.state), -np.inf, dtype=np.float32)
     open_ = np.arange(len(best))
     both = _Placed.of(sets, frames, candidates)
@@ -147,7 +171,7 @@ def gaps(
         gap = np.einsum("ij,ij->i", corner, direction)
         best[open_] = np.maximum(best[open_], gap - slack)
         keep = np.flatnonzero(gap <= enough)
-        if len(keep) <= few or iteration == iterations - 1:
+        if not len(keep) or iteration == iterations - 1:
             break
         if point is None:
             point = both.between_centres()

@@ -12,6 +12,7 @@ from topple.robots.poses import inverse
 from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.tolerances import AMBIENT, ARM_TRIANGLES, LAMP, SMOOTH
 from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.geometry.axes import cross
 from topple.topology.geometry.rigid import transformed
 from topple.topology.kernels.triangles import draw_triangles
 
@@ -37,7 +38,7 @@ class Surface:
     def of(cls, vertices: FloatArray, faces: IntArray, colour: Iterable[float]) -> "Surface":
         """The surface of a mesh, vertices (V, 3) [m] and faces (F, 3), its colour 0..255."""
         corners = np.asarray(vertices, dtype=np.float64)[faces]
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        across = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         sums = np.stack(
             [
                 np.bincount(np.ravel(faces), np.repeat(across[:, k], 3), len(vertices)).astype(float)

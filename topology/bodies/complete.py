@@ -24,7 +24,7 @@ from topple.topology.bodies.tolerances import (
     ROUND_REFUTED,
 )
 from topple.topology.bodies.upright import Upright
-from topple.topology.geometry.axes import perpendiculars
+from topple.topology.geometry.axes import cross, perpendiculars
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import Cylinder, Fit, Spheroid, fits_of, flattest_side, round_body
 from topple.topology.geometry.sides import beyond, sides_of
@@ -223,7 +223,7 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     """The smallest box with one direction given: the least rectangle of the projection."""
     across = np.stack(perpendiculars(axis))
     side = least_rectangle(points @ across.T) @ across
-    axes = np.stack([axis, side, np.cross(axis, side)])
+    axes = np.stack([axis, side, cross(axis, side)])
     local = points @ axes.T
     # One point in two hundred may be stray on each side.
     lower, upper = np.quantile(local, [0.005, 0.995], axis=0)
@@ -346,7 +346,7 @@ def _is_closed(seen: _Seen, hull: ConvexHull) -> bool:
 def _mouth_share(seen: _Seen, hull: ConvexHull, sight: FreeSpace | None) -> float:
     """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
     corners = seen.points[hull.simplices]
-    areas = lengths(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    areas = lengths(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(PLACES) + 0.5) / PLACES)
     # A low-discrepancy sequence: the same places for the same hull, without a seed.
     u = (np.arange(PLACES) * 0.7548776662466927) % 1.0

@@ -19,6 +19,7 @@ from topple.topology.bodies.tolerances import (
     SEARCHED,
     SECTION,
 )
+from topple.topology.geometry.axes import cross
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import spacing_of, thinned
 from topple.topology.kernels.neighbours import PointTree
@@ -55,7 +56,12 @@ class _Judge:
         return _Piece(points, cuts, hull, self.hollow(points, cuts, hull))
 
     def hollow(
-        self, points: FloatArray, cuts: tuple[tuple[FloatArray, float], ...], hull: Hull, sparse: float = 1.0
+        self,
+        points: FloatArray,
+        cuts: tuple[tuple[FloatArray, float], ...],
+        hull: Hull,
+        sparse: float = 1.0,
+        enough: float = np.inf,
     ) -> float:
         """Depth of typical deep points or width of typical bare faces, whichever is larger [m].
 
@@ -64,6 +70,7 @@ class _Judge:
             cuts: Planes that made the piece.
             hull: Hull of the points.
             sparse: How much wider the points are spaced than in the whole cloud.
+            enough: Beyond which it does not matter how hollow it is [m].
         """
         if hull.dimension < 3:
             complete = self.viewpoints is not None and len(self.viewpoints) == 0
@@ -71,14 +78,16 @@ class _Judge:
         depth = -hull.facet_distance(points)
         rank = len(depth) - 1 - len(depth) // 50
         deep = float(np.partition(depth, rank)[rank])
-        return deep if self.viewpoints is None else max(deep, self._bare(points, cuts, hull, sparse))
+        if self.viewpoints is None or deep >= enough:
+            return deep
+        return max(deep, self._bare(points, cuts, hull, sparse))
 
     def _bare(
         self, points: FloatArray, cuts: tuple[tuple[FloatArray, float], ...], hull: Hull, sparse: float
     ) -> float:
         """Distance from points that one tenth of the expected faces' area exceeds [m]."""
         corners = hull.vertices[hull.faces]
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        across = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         area = np.linalg.norm(across, axis=1)
         normals = across / np.maximum(area, 1e-30)[:, None]
         middle = corners.mean(axis=1)
@@ -192,19 +201,22 @@ def _cut(piece: _Piece, judge: _Judge, fewest: int) -> tuple[_Piece, _Piece] | N
     few, sparse = points[::step], float(step) ** 0.5
     centred = points - points.mean(axis=0)
     _, axes = np.linalg.eigh(centred.T @ centred)
-    best: tuple[float, FloatArray, float] | None = None
+    least, best = np.inf, None
     for axis in axes.T:
         along = few @ axis
         for limit in np.quantile(along, FRACTIONS):
-            cost = 0.0
+            cost, cuts = 0.0, (*piece.cuts, (axis, float(limit)))
             for half in (few[along <= limit], few[along > limit]):
-                cuts = (*piece.cuts, (axis, float(limit)))
-                cost += len(half) * judge.hollow(half, cuts, Hull.of(half), sparse) if len(half) else np.inf
-            if best is None or cost < best[0]:
-                best = (cost, axis, float(limit))
-    if best is None or not np.isfinite(best[0]):
+                if len(half) == 0:
+                    cost = np.inf
+                if cost < least:
+                    enough = (least - cost) / len(half)
+                    cost += len(half) * judge.hollow(half, cuts, Hull.of(half), sparse, enough)
+            if cost < least:
+                least, best = cost, cuts[-1]
+    if best is None:
         return None
-    _, axis, limit = best
+    axis, limit = best
     along = points @ axis
     low, high = points[along <= limit], points[along > limit]
     if min(len(low), len(high)) < fewest:

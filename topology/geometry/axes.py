@@ -39,9 +39,12 @@ def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """The cross product of two vectors (3,): of single ones numpy's takes twenty times as long."""
-    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    """Cross products of vectors (..., 3): of few numpy's takes many times as long."""
+    if a.ndim == b.ndim == 1:
+        (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+        return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    (ax, ay, az), (bx, by, bz) = (each.transpose(-1, *range(each.ndim - 1)) for each in (a, b))
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def own_axes(points: FloatArray) -> FloatArray:

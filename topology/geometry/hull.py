@@ -9,7 +9,7 @@ from topple.topology.base.arrays import FloatArray, IntArray, bounds, frozen, fr
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.tolerances import TOLERANCES
 from topple.topology.base.values import ByValue
-from topple.topology.geometry.axes import own_axes
+from topple.topology.geometry.axes import cross, own_axes
 from topple.topology.geometry.extremes import without_inner_points
 
 BLOCK = 1 << 16
@@ -135,7 +135,7 @@ class Hull(ByValue):
         axes = own_axes(self.vertices)
         first = (self.vertices @ axes[0])[self.faces].argmin(axis=1)[:, None]
         corners = self.vertices[np.take_along_axis(self.faces, (first + np.arange(3)) % 3, axis=1)]
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        across = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         area = np.linalg.norm(across, axis=1)
         # Plane after plane: of four corners in one plane Qhull may join either two.
         order = np.argsort(across @ axes[0] / np.maximum(area, 1e-300), kind="stable")
@@ -191,7 +191,7 @@ def _solid(local: FloatArray, centre: FloatArray, lower: FloatArray, upper: Floa
     faces = index[qhull.simplices]
     vertices = local[qhull.vertices]
     corner, second, third = (vertices[faces[:, i]] for i in range(3))
-    turned = np.einsum("ij,ij->i", np.cross(second - corner, third - corner), qhull.equations[:, :3]) < 0
+    turned = np.einsum("ij,ij->i", cross(second - corner, third - corner), qhull.equations[:, :3]) < 0
     faces[turned] = faces[turned][:, [0, 2, 1]]
     return Hull(
         vertices=frozen(vertices + centre),
@@ -256,7 +256,7 @@ def _triangle_distance(points: FloatArray, triangles: FloatArray) -> FloatArray:
     """Distance of (N, 3) points to (T, 3, 3) triangles, (N, T)."""
     origin = triangles[:, 0]
     edges = np.roll(triangles, -1, axis=1) - triangles
-    normal = np.cross(edges[:, 0], edges[:, 1])
+    normal = cross(edges[:, 0], edges[:, 1])
     length = np.linalg.norm(normal, axis=1)
     normal = normal / np.where(length > 0, length, 1.0)[:, None]
     squared = np.full((len(points), len(triangles)), np.inf)
@@ -264,7 +264,7 @@ def _triangle_distance(points: FloatArray, triangles: FloatArray) -> FloatArray:
     for side in range(3):
         edge = edges[:, side]
         offset = points[:, None] - triangles[:, side]
-        inward = np.cross(normal, edge)
+        inward = cross(normal, edge)
         inside &= np.einsum("ntj,tj->nt", offset, inward) >= 0
         norm = np.einsum("tj,tj->t", edge, edge)
         along = np.einsum("ntj,tj->nt", offset, edge) / np.where(norm > 0, norm, 1.0)

@@ -32,10 +32,12 @@ def sampled_with_normals(solid: Sequence[FloatArray], spacing: float) -> tuple[F
             continue
         corners = part[hull.simplices]
         edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        for (first, second, third), longest, equation in zip(corners, edges, hull.equations, strict=True):
-            u, v = _triangle_grid(max(1, int(np.ceil(longest / spacing))))
-            points.append(first + u * (second - first) + v * (third - first))
-            normals.append(np.broadcast_to(equation[:3], (len(u), 3)))
+        steps = np.maximum(1, np.ceil(edges / spacing)).astype(int).tolist()
+        u, v = (np.concatenate(shares) for shares in zip(*map(_triangle_grid, steps), strict=True))
+        each = np.repeat(np.arange(len(steps)), [len(_triangle_grid(count)[0]) for count in steps])
+        first, second, third = corners[each].swapaxes(0, 1)
+        points.append(first + u * (second - first) + v * (third - first))
+        normals.append(hull.equations[each, :3])
     return np.vstack(points), np.vstack(normals)
 
 

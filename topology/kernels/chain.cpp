@@ -91,6 +91,29 @@ double length(const double *v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[
 
 extern "C" {
 
+// (n + 1, 3, 4, m) poses of all frames of a chain in m states (m, n); the first is the base's own.
+void chain_poses(const double *terms, const uint8_t *turns, int64_t n, const double *q, int64_t m, double *found) {
+    for (int64_t state = 0; state < m; ++state) {
+        double at[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, local[12], next[12];
+        for (int64_t k = 0; k <= n; ++k) {
+            for (int i = 0; i < 12; ++i) found[(12 * k + i) * m + state] = at[i];
+            if (k == n) break;
+            const double value = q[n * state + k];
+            const double one = turns[k] ? std::cos(value) : value, two = turns[k] ? std::sin(value) : 0.0;
+            for (int i = 0; i < 12; ++i) {
+                const double *t = terms + 36 * k + 3 * i;
+                local[i] = t[0] + one * t[1] + two * t[2];
+            }
+            for (int i = 0; i < 3; ++i) {
+                const double *r = at + 4 * i;
+                for (int j = 0; j < 4; ++j)
+                    next[4 * i + j] = r[0] * local[j] + r[1] * local[4 + j] + r[2] * local[8 + j] + (j == 3 ? r[3] : 0.0);
+            }
+            std::copy_n(next, 12, at);
+        }
+    }
+}
+
 // From `count` starts (count, n) for each of some targets (4, 4): those that come within [m] and [rad] of
 // theirs in so many steps of at most `largest`, or within the second two at their end; how many, with the
 // target of each. What is brought there is a point of the last frame.

@@ -34,6 +34,7 @@ _SIGNATURES = {
     "cells_sort": (_COUNT, _ARRAY, _COUNT, _ARRAY, _ARRAY, _ARRAY, _NUMBER, _ARRAY, _ARRAY),
     "cells_within": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY),
     "cells_means": (None, _ARRAY, _ARRAY, _ARRAY, _COUNT, _ARRAY),
+    "chain_poses": (None, *[_ARRAY] * 2, _COUNT, _ARRAY, _COUNT, _ARRAY),
     "chain_solve": (
         _COUNT, *[_ARRAY] * 5, _COUNT, _ARRAY, _COUNT, _ARRAY, _COUNT, *[_ARRAY] * 2, _COUNT, _NUMBER,
         *[_ARRAY] * 2,
@@ -51,6 +52,15 @@ _SIGNATURES = {
         _ARRAY, _COUNT, _ARRAY, _COUNT, *[_ARRAY] * 4,
     ),
     "planes_of_patches": (None, _ARRAY, _COUNT, _COUNT, _ARRAY, _ARRAY, _ARRAY),
+    "separation_gaps": (
+        None, *[_ARRAY] * 2, *[_COUNT] * 2, *[_ARRAY] * 3, _COUNT, *[_ARRAY] * 2, _COUNT, _ARRAY,
+    ),
+    "separation_intervals": (
+        None, *[_ARRAY] * 2, *[_COUNT] * 2, *[_ARRAY] * 6, _COUNT, _ARRAY, _COUNT, *[_ARRAY] * 2,
+    ),
+    "separation_open": (
+        _COUNT, *[_ARRAY] * 2, *[_COUNT] * 2, *[_ARRAY] * 2, *[_COUNT] * 4, *[_ARRAY] * 3,
+    ),
     "triangles_drawn": (
         None, _ARRAY, _COUNT, _ARRAY, _COUNT, _COUNT, _NUMBER, *[_ARRAY] * 4,
     ),

@@ -43,10 +43,12 @@ def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: FreeSpace) -> float:
         facing = length <= closest + DEPTH
         start, end = start[facing], end[facing]
         if len(start):
-            seen = _seen(one, start, end, sight) & _seen(other, end, start, sight)
-            between = start * (1 - SHARES) + end * SHARES
+            found = _seen(one, start, end, sight)
+            found[found] = _seen(other, end[found], start[found], sight)
+            between = start[~found] * (1 - SHARES) + end[~found] * SHARES
             free = sight.empty(between.reshape(-1, 3), DEPTH_NOISE).reshape(len(SHARES), -1).any(axis=0)
-            settled.append(seen | free)
+            found[~found] = free
+            settled.append(found)
     return float(np.concatenate(settled).mean())
 
 

@@ -8,6 +8,7 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_array, csr_array
 
 from topple.topology.base.arrays import BoolArray, FloatArray
+from topple.topology.geometry.axes import cross
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 
@@ -216,7 +217,7 @@ def force_columns(
         columns = np.flatnonzero(pushed >= 0)
         body = pushed[columns]
         arms, force = points[columns] - centres[body], forces[columns]
-        torque = np.cross(arms, force) / sizes[body, None]
+        torque = cross(arms, force) / sizes[body, None]
         wrench = sign * np.concatenate([force, torque], axis=1) / litres[body, None]
         rows.append((6 * body[:, None] + np.arange(6)).ravel())
         cols.append(np.repeat(columns, 6))
@@ -239,9 +240,9 @@ def cone_edges(normals: FloatArray, friction: FloatArray, exact: BoolArray) -> F
         (k, E, 3) forces with unit normal part.
     """
     steep = np.abs(normals[:, 2]) < np.where(exact, 0.999, 0.9)
-    level = np.cross(normals, np.where(steep[:, None], [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]]))
+    level = cross(normals, np.where(steep[:, None], [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]]))
     level /= np.linalg.norm(level, axis=1, keepdims=True)
-    across = np.cross(normals, level)
+    across = cross(normals, level)
     first = np.where(exact[:, None], across, level)
     second = np.where(exact[:, None], level, across)
     angles = 2 * np.pi * np.arange(CONE_EDGES) / CONE_EDGES

@@ -4,10 +4,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.motion.certificate import Certifier, MotionBounds
+from topple.planner.motion.certificate import Asked, Certifier, MotionBounds
 from topple.planner.motion.collision import Checker
+from topple.planner.motion.open_pairs import OpenPairs
 from topple.robots.catalog import robot
 from topple.robots.collision.separation import Frames
+from topple.topology.kernels.compiled import VARIABLE
 
 sys.path.insert(0, str(Path(__file__).parent))
 from scenes import box, clutter, densely
@@ -75,27 +77,52 @@ def test_an_edge_without_length_is_its_state() -> None:
     assert Certifier(checker).path(home[None]).proven
 
 
-def test_no_part_moves_farther_than_its_bound() -> None:
+@pytest.mark.parametrize("path", ["compiled", "numpy"])
+def test_no_part_moves_farther_than_its_bound(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, path)
     arm = robot("panda")
-    checker = Checker(arm, np.eye(4), {})
-    model, rng = checker.model, np.random.default_rng(0)
+    model, rng = Checker(arm, np.eye(4), {}).model, np.random.default_rng(0)
     middle = rng.uniform(arm.lower, arm.upper, (20, 7))
     spans = rng.uniform(0, 0.4, (20, 7))
+    frame = model.sets.frame
+    assert set(frame.tolist()) >= set(range(8)), "every joint moves one"
+    one_of = [int(np.flatnonzero(frame == base)[0]) for base in range(8)]
+    pairs = [(part, one_of[base]) for part in model.moving for base in range(frame[part])]
+    part, other = (np.repeat(each, 20) for each in np.array(pairs).T)
+    state = np.tile(np.arange(20), len(pairs))
+    asked = Asked(state, part, other, np.zeros(len(state), dtype=np.float32))
     frames = Frames.of(arm.chain.poses(middle))
-    sets = model.sets
-    centres = frames.points(sets.frame, sets.centre)
-    bounds = MotionBounds(model, arm.chain).of(frames, spans.astype(np.float32), centres)
+    bound, _ = MotionBounds(model, arm.chain).of(frames, spans.astype(np.float32), asked)
     before = arm.chain.frames(middle)
-    assert {int(sets.frame[part]) for part in model.moving} >= set(range(1, 8)), "every joint moves one"
     for _ in range(8):
         after = arm.chain.frames(middle + rng.choice([-1.0, 1.0], (20, 7)) * spans)
-        for part in model.moving:
-            frame = sets.frame[part]
-            for base in range(frame):
-                moved = seen_from(after, base, frame, model.vertices[part])
-                stood = seen_from(before, base, frame, model.vertices[part])
-                farthest = np.linalg.norm(moved - stood, axis=2).max(axis=1)
-                assert (farthest <= bounds[base, part] + 1e-5).all()
+        for (part, other), most in zip(pairs, bound.reshape(-1, 20), strict=True):
+            moved, stood = (
+                seen_from(at, frame[other], frame[part], model.vertices[part]) for at in (after, before)
+            )
+            assert (np.linalg.norm(moved - stood, axis=2).max(axis=1) <= most + 1e-5).all()
+
+
+def test_kernels_and_twins_bound_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    checker = Checker(robot("panda"), np.eye(4), clutter(2), margin=0.01)
+    starts, ends = edges(60, 0.4, 3)
+    poses = checker.arm.chain.poses(starts)
+    certificates, open_pairs = Certifier(checker).certify(starts, ends), OpenPairs(checker.model)
+    states, a, b = open_pairs.among(poses)
+    free = checker.free(starts)
+    monkeypatch.setenv(VARIABLE, "numpy")
+    assert np.abs(checker.arm.chain.poses(starts) - poses).max() < 1e-12
+    twins = Certifier(checker).certify(starts, ends)
+    assert [one.proven for one in twins] == [one.proven for one in certificates]
+    assert {one.proven for one in twins} == {True, False}
+    clearances = np.array(
+        [[one.clearance, other.clearance] for one, other in zip(twins, certificates, strict=True)]
+    )
+    assert np.abs(np.diff(clearances, axis=1)).max() < 1e-5
+    by_twin = set(zip(*(each.tolist() for each in open_pairs.among(poses)), strict=True))
+    assert len(by_twin) > 30
+    assert len(by_twin ^ set(zip(states.tolist(), a.tolist(), b.tolist(), strict=True))) <= 2, "but rounding"
+    assert (checker.free(starts) == free).all()
 
 
 def seen_from(frames: np.ndarray, base: int, frame: int, vertices: np.ndarray) -> np.ndarray:
