@@ -10,13 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from topple.planner.motion.model import CollisionModel
+from topple.planner.motion.tolerances import DIRECTIONS
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.kernels.compiled import address, kernels
-
-DIRECTIONS = 4
-"""Separating directions that are tried before python-fcl is asked."""
-
 
 _Found = tuple[IntArray, IntArray, IntArray, Float32Array]
 """States, the two parts of each pair, and their gaps."""

@@ -18,6 +18,7 @@ from topple.planner.motion.tolerances import (
     EDGE_STEP,
     PATIENCE,
     RELAXED,
+    ROUNDED_LIMIT,
     ROUNDS,
 )
 from topple.topology.base.arrays import BoolArray, FloatArray, frozen
@@ -193,6 +194,7 @@ def _planned(
     """A motion that keeps the checker's margins, or why there is none."""
     nearest = np.argsort(np.linalg.norm(goals - start, axis=1), kind="stable")
     order = nearest[_within(checker, goals[nearest])]
+    goals = np.clip(goals, checker.arm.lower, checker.arm.upper)
     clear = _opened(checker, start, goals[order])
     if not clear[0] or not clear[1:-1].any():
         return _refused(checker, start, goals[order])
@@ -302,9 +304,8 @@ def _validated(checker: Checker, start: FloatArray, goals: FloatArray) -> tuple[
 
 
 def _within(checker: Checker, states: FloatArray) -> BoolArray:
-    slack = 1e-6  # inverse kinematics may end on a limit, and rounding beyond it
     arm = checker.arm
-    inside: BoolArray = (states >= arm.lower - slack) & (states <= arm.upper + slack)
+    inside: BoolArray = (states >= arm.lower - ROUNDED_LIMIT) & (states <= arm.upper + ROUNDED_LIMIT)
     return np.logical_and.reduce(inside, axis=1)
 
 
