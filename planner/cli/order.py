@@ -20,7 +20,6 @@ from topple.planner.cli.tables import (
     print_build,
     print_moves,
     print_order,
-    with_next_view,
 )
 
 if TYPE_CHECKING:
@@ -139,10 +138,11 @@ def _ordered(
     target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation"
 ) -> _Answer:
     """The order in which things are taken, and from where to look next."""
+    from topple.planner.planning.next_view import with_next_view
     from topple.planner.planning.order import order
 
     found = order(situation, target, **options)
-    document = with_next_view(situation, found, target) if look else found.to_json()
+    document = with_next_view(situation, target, found) if look else found.to_json()
     return _Answer(document, len(situation.movable), found.certificate)
 
 

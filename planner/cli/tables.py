@@ -7,9 +7,7 @@ from topple.planner.cli.console import in_options, print_table, print_text
 from topple.topology.base.values import rounded
 
 if TYPE_CHECKING:
-    from topple.planner.decide.arrange import Order
     from topple.topology.scene.scene import Scene
-    from topple.topology.situation.situation import Situation
 
 Document = Mapping[str, Any]
 
@@ -63,22 +61,6 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
     print_text(*order_notes(document))
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
-
-
-def with_next_view(asked: "Situation", found: "Order", targets: list[str] | None) -> dict[str, Any]:
-    """The document of an order with the place to look from next, and its side as the first camera has it."""
-    import numpy as np
-
-    from topple.planner.decide.words import side_of
-    from topple.planner.planning.next_view import next_view
-
-    view, scene, up = next_view(asked, targets, found=found), asked.scene, asked.scene.up
-    if view is None or up is None:
-        return {**found.to_json(), "next_view": None}
-    seen = scene.images[0].pose_camera_to_world[:3, 0] if scene.images else None
-    right = np.cross(view.target - scene.viewpoints[0], up) if seen is None else seen
-    told = {**view.to_json(), "from": side_of(view.eye - view.target, right, up)}
-    return {**found.to_json(), "next_view": told}
 
 
 def print_build(title: str, document: Document) -> None:

@@ -1,12 +1,13 @@
 """The page of a plan: what the arm will do, on a time line that can be scrubbed, and why in that order."""
 
+import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 from msgspec import to_builtins
 
-from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_in_words, sentence
+from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_rows, sentence
 from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
@@ -18,7 +19,7 @@ from topple.planner.report.limits import LIMITS
 from topple.planner.report.names import spoken
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
-from topple.planner.report.show import dependency_section
+from topple.planner.report.show import dependency_section, with_look
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.verification import Verification
@@ -29,6 +30,8 @@ from topple.topology.geometry.samples import sampled
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene.scene import Scene
 
+BARE = re.compile(rf"^(?:{UNTIED}|{TARGET})\.")
+"""What an order says of a step that nothing ties: the plan knows more."""
 FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)  # ways that are not meant to come near anything
 
 
@@ -81,6 +84,7 @@ def plan_page(
         named = enumerate(zip(plan.steps, [0.0, *ends], ends, strict=False), start=1)
         bands = [(f"{number}. {step.object}", since, until) for number, (step, since, until) in named]
         told = motion_json(motion, shape, drawing.index, drawing.centre, bands)
+    order = with_look(scene, order)
     steps = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}"
     top = _head(plan, bands, refuted=verification is not None and not verification.ok)
     top += glance(photo(scene, drawing, order), steps, dependency_section(scene, drawing, order))
@@ -153,11 +157,11 @@ def order_of(plan: Plan) -> Document:
 
 def step_list(plan: Plan, order: Document, index: Mapping[str, int]) -> str:
     """The steps of a plan with their reasons as HTML."""
-    told = [text for _, text in order_in_words(order)]
+    told = [text for _, _, text, _ in order_rows(order)]
     items = "".join(
         f'<li data-object="{index.get(step.object, -1)}" tabindex="0">'
         f'<b class="name">{escape(step.object)}</b>: '
-        f"{escape(sentence(step.reason) if text in (f'{UNTIED}.', f'{TARGET}.') else text)}"
+        f"{escape(BARE.sub(lambda _: sentence(step.reason), text, count=1))}"
         f'<span class="kind">{escape(_how(step))}</span></li>'
         for step, text in zip(plan.steps, told, strict=False)
     )

@@ -13,7 +13,7 @@ from topple.planner.report.limits import LIMITS
 from topple.planner.report.names import photo_of, spoken
 from topple.planner.report.photo import around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
-from topple.planner.report.show import dependency_section
+from topple.planner.report.show import dependency_section, with_look
 from topple.planner.report.tables import order_list, relation_changes, relation_table
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.topology.base.arguments import checked_arguments
@@ -122,7 +122,7 @@ class _RunPage:
         """The order from a moment on, and its graph."""
         if moment.scene is None or drawing is None or moment.order is None:
             return "", ""
-        words = "<h2>Order from here</h2>" + order_list(moment.order, drawing.index)
+        words = "<h2>Order from here</h2>" + order_list(with_look(moment.scene, moment.order), drawing.index)
         return words, dependency_section(moment.scene, drawing, moment.order)
 
     def seen(self, drawing: Drawing | None, moment: StepRecord | RunRecord, title: str) -> str:
