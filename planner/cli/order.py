@@ -58,6 +58,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="say from where a camera would see most of what is hidden and decides the order",
     )
     parser.add_argument(
+        "--explain",
+        action="store_true",
+        help="print every step, and everything that carries something",
+    )
+    parser.add_argument(
         "--build",
         action="store_true",
         help="say in which order to put the things of this finished arrangement down, and what to hold",
@@ -108,7 +113,7 @@ def execute(args: argparse.Namespace) -> int:
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     code = partial(_code, args.hands is not None or bool(args.clamped))
     with kept_in(args, code) as kept, Progress("order") as progress:
-        return for_each_scene(args, work, partial(_show, args.json, kept, code), progress, by_scenes, kept)
+        return for_each_scene(args, work, partial(_show, args, kept, code), progress, by_scenes, kept)
 
 
 @dataclass(frozen=True)
@@ -182,21 +187,25 @@ def _code(counted: bool, document: Mapping[str, Any]) -> int:
     return NO_SAFE_PLAN if lacking else DONE
 
 
-def _print(path: str, answer: _Answer) -> None:
+def _print(path: str, answer: _Answer, explain: bool) -> None:
     if answer.document.get("build"):
         print_build(path, answer.document)
     elif "moves" in answer.document:
         print_moves(path, answer.document)
     else:
-        print_order(path, answer.document, answer.movable)
+        print_order(path, answer.document, answer.movable, explain=explain)
     print_assumptions(answer.document["assumptions"])
 
 
 def _show(
-    as_json: bool, kept: Kept | None, code: Callable[[Mapping[str, Any]], int], path: str, answer: _Answer
+    args: argparse.Namespace,
+    kept: Kept | None,
+    code: Callable[[Mapping[str, Any]], int],
+    path: str,
+    answer: _Answer,
 ) -> int:
-    if not stored(as_json, kept, path, answer.document):
-        _print(path, answer)
+    if not stored(args.json, kept, path, answer.document):
+        _print(path, answer, args.explain)
     for words in answer.certificate:
         complain(f"{path}: no safe order: each has to go first, {words}")
     if code(answer.document) != DONE and not answer.certificate:

@@ -42,22 +42,25 @@ def _pair(pair: Document) -> tuple[str, ...]:
     return (pair["a"], pair["relation"], pair["b"], gap, f"{pair['confidence']:.2f}", matrix, note)
 
 
-def print_order(title: str, document: Document, movable: int | None = None) -> None:
-    """Print what `order` found: the steps with their reasons, what carries what, groups.
+def print_order(title: str, document: Document, movable: int | None = None, *, explain: bool = False) -> None:
+    """Print what `order` found: its first steps with their reasons, the weakest contacts, what is held.
 
     Args:
         title: What it was found in.
         document: A `topple.order` document.
         movable: Number of objects that could be taken, where it is to be told.
+        explain: Print every step, and all that carries something.
     """
-    from topple.planner.decide.words import order_heading, order_notes, order_rows
+    from topple.planner.decide.words import first_rows, order_heading, order_notes, order_rows
 
     print_text(f"{title}: {order_heading(document, movable)}")
-    print_table(("", "take", "because", "how sure"), order_rows(document), right=(0,))
-    if document["supports"]:
+    rows, told = (order_rows(document), []) if explain else first_rows(document)
+    print_table(("", "take", "because", "how sure"), rows, right=(0,))
+    print_text(*(f"{line}: --explain" if line.startswith("and ") else line for line in told))
+    if explain and document["supports"]:
         print_text("", "What carries what:")
-        rows = [_support(support) for support in document["supports"]]
-        print_table(("", "", "", "confidence", ""), rows, right=(3,))
+        carried = [_support(document, support) for support in document["supports"]]
+        print_table(("", "confidence", ""), carried, right=(1,))
     print_text(*order_notes(document))
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
@@ -109,11 +112,11 @@ def print_moves(title: str, document: Document) -> None:
     print_table(("", "move", "where", "because"), rows, right=(0,))
 
 
-def _support(support: Document) -> tuple[str, ...]:
-    from topple.planner.decide.words import WORDS
+def _support(order: Document, support: Document) -> tuple[str, ...]:
+    from topple.planner.decide.words import contact
 
-    told = (support["supported"], WORDS.get(support.get("kind", ""), ""), support["supporter"])
-    return (*told, f"{support['confidence']:.2f}", "inferred" if support.get("inferred") else "")
+    sure = f"{support['confidence']:.2f}"
+    return (contact(order, support), sure, "inferred" if support.get("inferred") else "")
 
 
 def print_run(title: str, document: Document) -> None:

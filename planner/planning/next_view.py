@@ -29,6 +29,7 @@ from topple.topology.io.load import AnyScene
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.situation.situation import Situation
 
+
 @dataclass(frozen=True, eq=False)
 class Shown(ByValue):
     """What a view would tell of two objects.

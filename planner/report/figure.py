@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.planner.decide.names import spoken
 from topple.planner.decide.words import order_in_words, order_rows, ordinal, shortened
 from topple.planner.formats.pictures import png
 from topple.planner.report.drawing import Document, Documented, Drawing, DrawnObject, document, view_data
 from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_head
 from topple.planner.report.html import legend
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken
 from topple.planner.report.palette import FIXED_COLOUR, Colour, ink_on, reason_colour, relation_colour
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import with_look
@@ -85,7 +85,7 @@ def order_gif(
     told = order_in_words(planned)
     if not told:
         raise InvalidInput("nothing to animate: the order takes nothing")
-    drawing = Drawing.of(scene, LIMITS.picture_points)
+    drawing = Drawing.of(scene, LIMITS.cell_points)
     fine, coarse = (Projection(drawing, SIZE[0] * scale, SIZE[1] * scale) for scale in (FINE, 1))
     frames: list[tuple[Image.Image, int]] = []
     left = {drawn.name: drawn for drawn in drawing.objects}

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.decide.names import spoken
 from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import columns, page, view_page
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken
 from topple.planner.report.palette import object_colours
 from topple.planner.report.plan_page import order_of, step_list
 from topple.planner.report.run_page import run_page

@@ -1,12 +1,12 @@
 """The page of a plan: what the arm will do, on a time line that can be scrubbed, and why in that order."""
 
-import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 from msgspec import to_builtins
 
+from topple.planner.decide.names import spoken
 from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_rows, sentence
 from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.formats.plan_robot import arm_from
@@ -16,7 +16,6 @@ from topple.planner.planning.plan_format import Plan
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.html import Span, bullets, folded, glance, plain_table, view_page
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section, with_look
@@ -30,8 +29,6 @@ from topple.topology.geometry.samples import sampled
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene.scene import Scene
 
-BARE = re.compile(rf"^(?:{UNTIED}|{TARGET})\.")
-"""What an order says of a step that nothing ties: the plan knows more."""
 FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)  # ways that are not meant to come near anything
 
 
@@ -161,11 +158,17 @@ def step_list(plan: Plan, order: Document, index: Mapping[str, int]) -> str:
     items = "".join(
         f'<li data-object="{index.get(step.object, -1)}" tabindex="0">'
         f'<b class="name">{escape(step.object)}</b>: '
-        f"{escape(BARE.sub(lambda _: sentence(step.reason), text, count=1))}"
+        f"{escape(_reason(step, text))}"
         f'<span class="kind">{escape(_how(step))}</span></li>'
         for step, text in zip(plan.steps, told, strict=False)
     )
     return f'<ol class="order steps">{items}</ol>' if items else "<p>There is nothing to do.</p>"
+
+
+def _reason(step: Step, told: str) -> str:
+    """Why a step is done: what the plan knows of it where an order says that nothing ties it."""
+    bare = next((each for each in (f"{UNTIED}.", f"{TARGET}.") if told.startswith(each)), "")
+    return f"{sentence(step.reason)}{told.removeprefix(bare)}" if bare else told
 
 
 def _how(step: Step) -> str:

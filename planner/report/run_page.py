@@ -4,13 +4,13 @@ import math
 from html import escape
 from typing import Any
 
+from topple.planner.decide.names import photo_of, spoken
 from topple.planner.decide.words import counted, millimetres, sentence
 from topple.planner.formats.pictures import picture, pixels_of
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.html import beside, bullets, folded, glance, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import photo_of, spoken
 from topple.planner.report.photo import around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section, with_look

@@ -2,11 +2,11 @@
 
 from html import escape
 
+from topple.planner.decide.names import spoken
 from topple.planner.decide.words import listed, order_in_words, sentences
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import folded, glance, view_page
-from topple.planner.report.names import spoken
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
 from topple.topology.base.arguments import checked_arguments
