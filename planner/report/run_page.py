@@ -9,7 +9,7 @@ from topple.planner.decide.words import counted, millimetres, sentence
 from topple.planner.formats.pictures import picture, pixels_of
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, view_data
-from topple.planner.report.html import beside, bullets, folded, glance, page, plain_table, table, viewer
+from topple.planner.report.html import bullets, folded, glance, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.photo import around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
@@ -71,7 +71,7 @@ class _RunPage:
         html += bullets([sentence(text) for text in step.events])
         drawing = None if step.scene is None else Drawing.of(step.scene, self.points, step.photo)
         words, graph = self.ordered(drawing, step)
-        done = _facts(step) + beside(_disturbed(step), _predictions(step))
+        done = _facts(step) + _disturbed(step) + _predictions(step)
         html += glance(self.photographed(step, drawing), words, graph + done)
         html += self.seen(drawing, step, "Seen before this step, and what the arm did")
         return f'<section class="step">{html}</section>'
