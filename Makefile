@@ -22,6 +22,7 @@ lint: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/codespell
+	$(BIN)/python .ci/prose.py
 	$(BIN)/pyright
 
 # Whether this tree tells less of the truth than the commit that changes are held against; goes on where it was stopped.

@@ -106,11 +106,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--target": {**_LIST, "help": "what to free, with the fewest removals (everything is cleared)"},
     "--goal": {
         "metavar": "TEXT",
-        "help": 'what shall hold: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
+        "help": 'the goal: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
     },
     "--to": {
         "metavar": "GOAL",
-        "help": "how things shall lie: another scene of them, what `topple relate --json` wrote, or words "
+        "help": "the goal arrangement: another scene of them, what `topple relate --json` wrote, or words "
         "such as cup left of plate",
     },
     "--match": {

@@ -97,7 +97,7 @@ def print_moves(title: str, document: Document) -> None:
     buffers = sum(move["buffer"] for move in moves)
     proven = "no sequence has fewer" if document["optimal"] else f"no sequence has fewer than {bound}"
     if not moves:
-        print_text(f"{title}: everything lies as it shall")
+        print_text(f"{title}: everything is in its place")
         return
     print_text(f"{title}: {len(moves)} moves, {buffers} of them to make room; {proven}")
     rows = [

@@ -92,12 +92,14 @@ def order_heading(order: Document, movable: int | None = None) -> str:
 def order_rows(order: Document) -> list[tuple[str, ...]]:
     """A row for each step of a `topple.order` document: number, object, why, and how sure it is."""
     told, risk, at = order_in_words(order), order.get("risk") or {}, places(order)
-    look = order.get("next_view") or {"shows": ()}
+    look, hidden = order.get("next_view") or {"shows": ()}, dict[str, list[str]]()
     for pair in look["shows"][:3]:
         first, other = sorted((pair["a"], pair["b"]), key=lambda name: at.get(name, len(at) + 1))
         if first in at and how_sure(risk.get(first) or 0.0) != "sure":
-            why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {other} is hidden."
-            told[at[first] - 1] = (first, why)
+            hidden.setdefault(first, []).append(other)
+    for first, others in hidden.items():
+        why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {listed(others)} is hidden."
+        told[at[first] - 1] = (first, why)
     if order.get("build"):
         told = [*zip(order["order"], (x.partition(": ")[2] for x in order["explanation"]), strict=True)]
     return [(str(i), name, why, how_sure(risk.get(name) or 0.0)) for i, (name, why) in enumerate(told, 1)]
