@@ -5,6 +5,7 @@ A mark is `<!--FILE: ROW; ROW-->`: a page of `benchmarks/` or a path, and words 
 
 import json
 import re
+import runpy
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,6 +23,13 @@ SHARE = re.compile(r"(?<!bar: )(?<![\d.])(?!95 %)[\d.]+ %|\d of \d")
 """A figure that was counted: limits, bars and the 95 % of intervals are said, not counted."""
 
 NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?")
+
+
+@pytest.mark.parametrize(("chart", "page"), [("reliability", "benchmarks/truth.md"), ("held", "README.md")])
+def test_charts_show_the_tables(chart: str, page: str) -> None:
+    draw = runpy.run_path(str(ROOT / "docs" / "figures" / "charts.py"))[chart]
+    drawn = (ROOT / "docs" / "figures" / f"{chart}.svg").read_text(encoding="utf-8")
+    assert drawn == draw((ROOT / page).read_text(encoding="utf-8")) and drawn.count("<circle") >= 5
 
 
 def numbers(text: str) -> list[str]:
