@@ -21,10 +21,8 @@ pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here: apt-get install chromium"),
 ]
 ROOT = Path(__file__).resolve().parents[1]
-NAMES = (
-    "install commands relations results reports transcripts/ur5e transcripts/ros sam risk trust json-examples"
-)
-NAMES += " plan-fields commands/order"
+NAMES = "install commands relations results reports transcripts/ur5e transcripts/ros sam risk trust"
+NAMES += " json-examples plan-fields commands/order"
 PAGES = ("", *(f"{name}/" for name in NAMES.split()))
 SMALLEST = """() => Math.min(...[...document.querySelectorAll("article *")].filter((e) => e.checkVisibility())
   .filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim()))

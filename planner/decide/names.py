@@ -9,7 +9,6 @@ from typing import Any, TypeVar, cast
 import msgspec
 import numpy as np
 
-from topple.robots.arm.arm import Arm
 from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.complete import kind_of
 from topple.topology.bodies.surfaces import surfaces_of
@@ -67,7 +66,7 @@ def spoken_names(scene: Scene) -> dict[str, str]:
 
 def renamed(value: Any, names: Mapping[str, str]) -> Any:
     """Put other names into a value, in its sentences too."""
-    if not names or isinstance(value, Arm):
+    if not names or type(value).__module__.startswith("topple.robots"):  # whose parts have names of their own
         return value
     if type(value) is str:
         return names.get(value) or _NAMED.sub(lambda m: m[1] + names.get(m[2], m[2]), value)
