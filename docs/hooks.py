@@ -38,6 +38,21 @@ CALLS = (
 """Commands whose JSON is shown, of a cup on a book on a table."""
 
 
+TASKS = {
+    "Read a scene": "views geometry merging scene io situation",
+    "Relate": "sixim relations",
+    "Order": "decide order next_view order_all",
+    "Does it stand": "stability",
+    "Rank grasps": "grasp",
+    "Plan": "planning",
+    "Build and rearrange": "building rearranging",
+    "Run": "execution formats world driver arm engines scenarios catalog",
+    "Draw": "report",
+    "Errors and workers": "base errors",
+}
+"""Rooms, or names, of each task of the reference."""
+
+
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Add a page a command, and the pages of JSON, to the menu."""
     from topple.planner.cli.main import COMMANDS
@@ -46,6 +61,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     commands = {"A page a command": [{f"topple {name}": f"commands/{name}.md"} for name in COMMANDS]}
     reference[1:1] = [
         commands,
+        {"API by task": "api/tasks.md"},
         {"JSON by example": "json-examples.md"},
         {"Fields of a plan": "plan-fields.md"},
     ]
@@ -57,7 +73,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     from topple.planner.cli.main import COMMANDS
 
     made = {f"commands/{name}.md": _help(name, purpose) for name, purpose in COMMANDS.items()}
-    made |= {"json-examples.md": _documents(), "plan-fields.md": _fields()}
+    made |= {"json-examples.md": _documents(), "plan-fields.md": _fields(), "api/tasks.md": _tasks()}
     for place, text in made.items():
         files.append(File.generated(config, place, content=text))
     for pattern in OUTSIDE:
@@ -118,6 +134,23 @@ def _documents() -> str:
             )
             page += f"\n## topple {call} --json\n\n```json\n{shown}\n```\n"
     return page
+
+
+def _tasks() -> str:
+    """The public names by task, each with what it is for and a link to its example."""
+    from importlib import import_module
+
+    rows: dict[str, list[str]] = {task: [] for task in TASKS}
+    of = {word: task for task, words in TASKS.items() for word in words.split()}
+    for layer in ("topology", "robots", "planner"):
+        package = import_module(f"topple.{layer}")
+        for name in package.__all__:
+            public = getattr(package, name)
+            task = of.get(name) or of[public.__module__.split(".")[2]]
+            about = (public.__doc__ or "").strip().partition("\n")[0]
+            rows[task].append(f"| [`{name}`]({layer}.md#topple.{layer}.{name}) | {about} |")
+    parts = [f"\n## {task}\n\n| | |\n| --- | --- |\n" + "\n".join(rows[task]) + "\n" for task in TASKS]
+    return "# API by task\n\nEach name leads to its arguments, errors and an example.\n" + "".join(parts)
 
 
 def _fields() -> str:
