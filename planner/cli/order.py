@@ -125,7 +125,7 @@ class _Answer:
     certificate: tuple[str, ...] = ()
 
 
-_Ask = Callable[["Situation"], _Answer]
+_Ask, _Code = Callable[["Situation"], _Answer], Callable[[Mapping[str, Any]], int]
 
 
 def _answer(
@@ -197,13 +197,7 @@ def _print(path: str, answer: _Answer, explain: bool) -> None:
     print_assumptions(answer.document["assumptions"])
 
 
-def _show(
-    args: argparse.Namespace,
-    kept: Kept | None,
-    code: Callable[[Mapping[str, Any]], int],
-    path: str,
-    answer: _Answer,
-) -> int:
+def _show(args: argparse.Namespace, kept: Kept | None, code: _Code, path: str, answer: _Answer) -> int:
     if not stored(args.json, kept, path, answer.document):
         _print(path, answer, args.explain)
     for words in answer.certificate:

@@ -78,7 +78,6 @@ def _output(given: str | None, scene: str) -> Path:
 def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> dict[str, Any] | None:
     """The document of the order, or None where it was not asked for by name and gravity is unknown."""
     from topple.planner.planning.order import order
-    from topple.topology.situation.situation import Situation
 
     if not args.target and (scene.up is None or not scene.movable):
         return None
@@ -87,8 +86,7 @@ def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> 
         from topple.planner.planning.step import order_by
 
         return order_by(orderer, scene, args.target, relations, args.seed).to_json()
-    situation = Situation.of(scene, relations)
-    return order(situation, args.target, seed=args.seed).to_json()
+    return order(scene, args.target, seed=args.seed, relations=relations).to_json()
 
 
 def _drawn(

@@ -51,7 +51,7 @@ def print_order(title: str, document: Document, movable: int | None = None, *, e
         movable: Number of objects that could be taken, where it is to be told.
         explain: Print every step, and all that carries something.
     """
-    from topple.planner.decide.words import first_rows, order_heading, order_notes, order_rows
+    from topple.planner.decide.words import contact, first_rows, order_heading, order_notes, order_rows
 
     print_text(f"{title}: {order_heading(document, movable)}")
     rows, told = (order_rows(document), []) if explain else first_rows(document)
@@ -59,8 +59,9 @@ def print_order(title: str, document: Document, movable: int | None = None, *, e
     print_text(*(f"{line}: --explain" if line.startswith("and ") else line for line in told))
     if explain and document["supports"]:
         print_text("", "What carries what:")
-        carried = [_support(document, support) for support in document["supports"]]
-        print_table(("", "confidence", ""), carried, right=(1,))
+        sure = [(f"{each['confidence']:.2f}", "inferred" * each["inferred"]) for each in document["supports"]]
+        carried = [contact(document, each) for each in document["supports"]]
+        print_table(("", "confidence", ""), [(x, *y) for x, y in zip(carried, sure, strict=True)], right=(1,))
     print_text(*order_notes(document))
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
@@ -110,13 +111,6 @@ def print_moves(title: str, document: Document) -> None:
         for i, (move, line) in enumerate(zip(moves, document["explanation"], strict=True), start=1)
     ]
     print_table(("", "move", "where", "because"), rows, right=(0,))
-
-
-def _support(order: Document, support: Document) -> tuple[str, ...]:
-    from topple.planner.decide.words import contact
-
-    sure = f"{support['confidence']:.2f}"
-    return (contact(order, support), sure, "inferred" if support.get("inferred") else "")
 
 
 def print_run(title: str, document: Document) -> None:
