@@ -125,7 +125,8 @@ class _Answer:
     certificate: tuple[str, ...] = ()
 
 
-_Ask, _Code = Callable[["Situation"], _Answer], Callable[[Mapping[str, Any]], int]
+_Ask = Callable[["Situation"], _Answer]
+_Code = Callable[[Mapping[str, Any]], int]
 
 
 def _answer(

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.decide.names import spoken
+from topple.planner.decide.names import Colour, spoken
 from topple.planner.decide.words import order_in_words, order_rows, ordinal, shortened
 from topple.planner.formats.pictures import png
 from topple.planner.report.drawing import Document, Documented, Drawing, DrawnObject, document, view_data
 from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_head
 from topple.planner.report.html import legend
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import FIXED_COLOUR, Colour, ink_on, reason_colour, relation_colour
+from topple.planner.report.palette import FIXED_COLOUR, ink_on, reason_colour, relation_colour
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import with_look
 from topple.topology.base.arrays import FloatArray
