@@ -116,7 +116,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--match": {
         "choices": ("name", "shape"),
         "default": "name",
-        "help": "by what things of --to are found: by name, or by shape, whatever they are called (name)",
+        "help": "by what objects of --to are found: by name, or by shape, whatever they are called (name)",
     },
     # arms
     "--robot": {
@@ -154,7 +154,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--away": {
         "nargs": "+",
         "metavar": ("WHERE", "NUMBER"),
-        "help": "where things go that are taken: table, lift (15 cm clear of everything, for a skill of your "
+        "help": "where taken objects go: table, lift (15 cm clear of everything, for a skill of your "
         "own), bin, zone X0 Y0 X1 Y1 (level and free), hand-over X Y Z; metres from the arm's base (table)",
     },
     "--bin": {

@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--hands",
         type=count,
         metavar="N",
-        help="how many hands there are: where things hold each other, 1 has no safe order, and 2 or more may",
+        help="number of hands: where objects hold each other, 1 has no safe order, and 2 or more may",
     )
     add(parser, "--clamped")
     parser.add_argument(
@@ -65,12 +65,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--build",
         action="store_true",
-        help="say in which order to put the things of this finished arrangement down, and what to hold",
+        help="say in which order to put the objects of this finished arrangement down, and what to hold",
     )
     add(
         parser,
         "--to",
-        help="say in which order to move things until they lie as another scene, relations or words say",
+        help="say in which order to move objects until they lie as another scene, relations or words say",
     )
     add(parser, "--match")
 
