@@ -12,8 +12,8 @@ from topple.topology import load_scene
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
-    "look.py", "write_bop.py", "write_bag.py", "ros_node.py", "real_frame.py", "hold.py", "swap.py", "own_loop.py",
-    "own_world.py", "track.py", "learn.py", "ros_driver.py",
+    "look.py", "write_bop.py", "write_bag.py", "ros_node.py", "real_frame.py", "hold.py", "swap.py",
+    "own_loop.py", "own_world.py", "track.py", "learn.py", "ros_driver.py",
 )  # fmt: skip
 PAGE = (EXAMPLES.parent / "docs" / "examples.md").read_text(encoding="utf-8")
 ON_BULLET = {"own_world.py"}  # a foreign world of PyBullet, or of MuJoCo where that alone is
