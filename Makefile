@@ -22,6 +22,7 @@ lint: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/codespell
+	$(BIN)/python .ci/prose.py
 	$(BIN)/pyright
 
 # Whether this tree tells less of the truth than the commit that changes are held against; goes on where it was stopped.
@@ -35,7 +36,7 @@ docs: .venv/dev.stamp
 
 # Every picture of the docs, from the scripts in docs/figures and benchmarks; some ten minutes.
 figures: .venv/docs.stamp film
-	for figure in relations reasoning floor_plan badges pages table; do $(BIN)/python docs/figures/$$figure.py || exit 1; done
+	for figure in relations reasoning floor_plan badges pages table charts; do $(BIN)/python docs/figures/$$figure.py || exit 1; done
 	$(BIN)/python -m topple.benchmarks.wrong -o docs/wrong
 	$(BIN)/python benchmarks/without_order.py 21 docs/without_order.png
 

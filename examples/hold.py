@@ -4,11 +4,13 @@ python examples/hold.py [cards.npz], which it writes
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 import topple
+from topple.planner import show_page
 from topple.robots import new_world
 from topple.robots.poses import angle_between
 from topple.robots.scenarios.scenario import pose_at
@@ -39,11 +41,10 @@ def main() -> None:
     with card_house() as world:
         clouds = {n: world.body(n).surface(10_000, np.random.default_rng(0)) for n in world.names}
         scene = scene_from_objects(clouds, world.poses(), fixed=["table"], up=(0, 0, 1))
-    if len(sys.argv) > 1:
-        scene.save(sys.argv[1])
+    scene.save(sys.argv[1] if len(sys.argv) > 1 else "cards.npz")
     print(*topple.order(scene, hands=1).certificate, sep="\n")
-    found = topple.order(scene, hands=2)
-    (hold,) = found.holds
+    (hold,) = (found := topple.order(scene, hands=2)).holds
+    Path("hold.html").write_text(show_page(scene, topple.relate(scene), found), encoding="utf-8")
     print(f"take {', '.join(found.order)}; {hold.sentence(found.order)}")
     for held in (None, hold.object):
         with card_house(held) as world:

@@ -8,8 +8,10 @@ your own would write the same.
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from topple.robots import scenario
 from topple.topology import Scene, thinned
@@ -31,6 +33,7 @@ def main(path: str, seed: int = 0) -> None:
     }
     about = {"up": scene.up, "fixed": sorted(scene.fixed), "viewpoints": scene.viewpoints, "robot_base": base}
     np.savez_compressed(path, **clouds, **about)
+    Image.fromarray(images[0].rgb).save(Path(path).with_suffix(".png"))  # what the first one saw
     print(f"{path}: {', '.join(f'{len(points)} points of {name}' for name, points in clouds.items())}")
 
 

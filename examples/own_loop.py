@@ -4,25 +4,24 @@ import sys
 from collections.abc import Iterator
 
 import numpy as np
+from PIL import Image
 
 from topple.planner import Look, Perception, plan
 from topple.robots import Driver, arm_in, robot, scenario
-from topple.robots.scenarios import Scenario
 from topple.topology import Scene, Situation, scene_from_objects
 
 
 class Tracker:
     """A `Perception`: known shapes where an estimator of poses has them, half a millimetre off."""
 
-    def __init__(self, stage: Scenario) -> None:
-        self.world, self.rng = stage.world, np.random.default_rng(0)
+    def __init__(self, world) -> None:
+        self.world, self.rng = world, np.random.default_rng(0)
         self.shapes = {name: self.world.body(name).surface(9000, self.rng) for name in self.world.names}
 
     def look(self, expected: Scene | None = None, more: object = ()) -> Look:
         """See where everything is, and say what is elsewhere than it should be."""
         seen = {name: shape + self.rng.normal(0, 5e-4, 3) for name, shape in self.shapes.items()}
-        poses = {name: self.world.pose(name) for name in seen}
-        scene = scene_from_objects(seen, poses, fixed=self.world.fixed, up=(0, 0, 1))
+        scene = scene_from_objects(seen, self.world.poses(), fixed=self.world.fixed, up=(0, 0, 1))
         off = [n for n, c in (expected or scene).clouds.items() if abs(scene.clouds[n] - c).mean() > 0.005]
         return Look((), Situation(scene), None, {name: f"{name} is elsewhere" for name in off})
 
@@ -52,8 +51,9 @@ def solve(goal: str, driver: Driver, eyes: Perception) -> Iterator[str]:
 with scenario("tower") as stage:
     driver = arm_in(stage.world, robot("panda"), stage.pose_base_to_world)
     poses, far = stage.world.poses(), 0.0
-    for taken in solve(stage.goal, driver, Tracker(stage)):
+    for taken in solve(stage.goal, driver, Tracker(stage.world)):
         before, poses = poses, stage.world.poses()
         far = max(far, *(float(np.linalg.norm((poses[n] - before[n])[:3, 3])) for n in poses if n != taken))
+    Image.fromarray(stage.cameras[0].look(stage.world, np.random.default_rng(0)).rgb).save("own_loop.png")
 print(f"in truth nothing else moved by more than {1e3 * far:.1f} mm")
 sys.exit(int(far > 0.01))

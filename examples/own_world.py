@@ -1,12 +1,10 @@
-"""Order, plan and run in a world that topple did not make: of PyBullet, or of MuJoCo where that alone is.
-
-python examples/own_world.py
-"""
+"""Order, plan and run in a world that topple did not make: of PyBullet, or of MuJoCo where that alone is."""
 
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
-from topple.planner import order, plan, run
+from topple.planner import order, plan, run, run_page
 from topple.topology import Scene, scene_from_mujoco
 
 BOXES = {  # half sizes and middles [m], mass [kg], 0 for what never moves; the weight holds the plank
@@ -56,4 +54,5 @@ if __name__ == "__main__":
     print(*(f"{e.first} before {e.then}: {e.reason}" for e in found.graph.dependencies), sep="\n")
     print(*(f"{s.action} {s.object}: {s.reason}" for s in plan(scene, ["low"], "panda").steps), sep="\n")
     record = run(scene, ["low"], "panda")  # the scene rebuilt in simulation, with an arm in it
+    Path("own_world.html").write_text(run_page(record), encoding="utf-8")
     print(f"{record.goal}: {'reached' if record.success else '; '.join(record.violations)}")

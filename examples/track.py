@@ -10,9 +10,11 @@ Prints how many frames it takes in a second, and from which to which frame each 
 import sys
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
+from topple.planner import show_page
 from topple.robots import shapes
 from topple.topology import Relation, Scene, load_sequence, relate
 
@@ -41,6 +43,8 @@ def main(frames: Iterator[Scene]) -> None:
                 if not spans or spans[-1][1] < number - 1:
                     spans.append([number, number])
                 spans[-1][1] = number
+    if relations is not None:
+        Path("track.html").write_text(show_page(relations.scene, relations), encoding="utf-8")
     print(f"{number} frames, {number / seconds:.1f} in a second")
     for relation, spans in held.items():
         print(f"{relation}: frames {', '.join(f'{a}-{b}' if a < b else str(a) for a, b in spans)}")

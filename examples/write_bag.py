@@ -3,6 +3,7 @@
 import sys
 
 import numpy as np
+from PIL import Image
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
@@ -17,8 +18,8 @@ ROI = MSG["sensor_msgs/RegionOfInterest"](0, 0, 0, 0, False)
 
 def write_bag(path: str, seen: list[DepthImage], base: np.ndarray, storage=StoragePlugin.MCAP) -> None:
     """Write one frame a second, all from the place of the first."""
-    eye = seen[0].pose_camera_to_world
-    tree = [_transform("panda_link0", base), _transform("camera_optical", eye)]
+    tree = [_transform("panda_link0", base), _transform("camera_optical", seen[0].pose_camera_to_world)]
+    Image.fromarray(seen[0].rgb).save(f"{path}.png")
     with Writer(path, version=9, storage_plugin=storage) as bag:
         _send(bag, 0, "/tf_static", MSG["tf2_msgs/TFMessage"](tree))
         for at, look in enumerate(seen, start=1):
@@ -52,7 +53,6 @@ def _send(bag: Writer, seconds: int, topic: str, message) -> None:
 
 
 if __name__ == "__main__":
-    # then: topple order run --fixed 1 --target 3
     path, rng = sys.argv[1] if len(sys.argv) > 1 else "run", np.random.default_rng(0)
     with scenario("dishes") as stage:
         write_bag(path, [stage.cameras[0].look(stage.world, rng) for _ in range(3)], stage.pose_base_to_world)

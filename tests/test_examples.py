@@ -12,9 +12,8 @@ from topple.topology import load_scene
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
-    "order_clouds.py", "look.py", "write_bop.py", "write_bag.py", "ros_node.py", "real_frame.py", "check.py",
-    "hold.py", "swap.py", "own_loop.py", "own_world.py", "track.py", "learn.py", "streams.py",
-    "ros_driver.py",
+    "look.py", "write_bop.py", "write_bag.py", "ros_node.py", "real_frame.py", "hold.py", "swap.py",
+    "own_loop.py", "own_world.py", "track.py", "learn.py", "ros_driver.py",
 )  # fmt: skip
 PAGE = (EXAMPLES.parent / "docs" / "examples.md").read_text(encoding="utf-8")
 ON_BULLET = {"own_world.py"}  # a foreign world of PyBullet, or of MuJoCo where that alone is
@@ -120,15 +119,6 @@ def test_a_ros_node_answers_a_cloud_as_it_comes_over_the_wire(tmp_path: Path) ->
     assert [(one["first"], one["then"]) for one in told["dependencies"]] == [("3", "2")]
 
 
-def test_plain_arrays_give_relations_and_an_order_with_reasons(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "order_clouds.py")
-    pairs = {line.split(":")[0] for line in lines if ": touch (" in line}
-    assert pairs == {"table - left", "table - right", "left - book", "right - book", "book - ball"}
-    assert "to free the left box: ball, book, left" in lines
-    assert any(line.startswith("1. ball: ball rests on book (touch, inferred)") for line in lines)
-    assert any(line.startswith("2. book: book rests on left (touch, 0.0 mm, observed)") for line in lines)
-
-
 @pytest.mark.slow
 def test_a_tracked_spoon_goes_into_the_bowl_and_out_again(tmp_path: Path) -> None:
     lines = _output(tmp_path, "track.py")
@@ -166,13 +156,6 @@ def test_a_frame_becomes_a_world_to_act_in(frame: Path | None, tmp_path: Path) -
     lines = _output(tmp_path, "real_frame.py", *([] if frame is None else [str(frame), "1"]))
     assert any(line.startswith("note: the arm's base stands at") for line in lines)
     assert (tmp_path / "real_frame.html").stat().st_size > 100_000
-
-
-@pytest.mark.slow
-def test_streams_give_facts_and_motions_that_are_found(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "streams.py")
-    assert lines[0] == "(before block box): supported"
-    assert [line.split(":")[0] for line in lines[1:]] == ["block", "box"]
 
 
 def test_the_driver_of_ros_says_where_there_is_none(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -25,7 +26,10 @@ MOST_WORDS = 600  # one screen
 
 def _blocks(page: Path) -> list[tuple[str, str]]:
     """(language, text) of the blocks of a page, in order."""
-    return re.findall(r"^```(\w+)\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    found = re.findall(
+        r"^ *```(\w+)\n(.*?)^ *```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
+    return [(language, textwrap.dedent(text)) for language, text in found]
 
 
 def _lines(printed: list[str]) -> set[str]:

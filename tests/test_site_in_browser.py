@@ -22,6 +22,7 @@ pytestmark = [
 ]
 ROOT = Path(__file__).resolve().parents[1]
 NAMES = "install commands relations results reports transcripts/ur5e transcripts/ros sam risk trust"
+NAMES += " json-examples plan-fields commands/order first-frame"
 PAGES = ("", *(f"{name}/" for name in NAMES.split()))
 SMALLEST = """() => Math.min(...[...document.querySelectorAll("article *")].filter((e) => e.checkVisibility())
   .filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim()))

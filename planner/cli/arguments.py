@@ -106,17 +106,17 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--target": {**_LIST, "help": "what to free, with the fewest removals (everything is cleared)"},
     "--goal": {
         "metavar": "TEXT",
-        "help": 'what shall hold: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
+        "help": 'the goal: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
     },
     "--to": {
         "metavar": "GOAL",
-        "help": "how things shall lie: another scene of them, what `topple relate --json` wrote, or words "
+        "help": "the goal arrangement: another scene of them, what `topple relate --json` wrote, or words "
         "such as cup left of plate",
     },
     "--match": {
         "choices": ("name", "shape"),
         "default": "name",
-        "help": "by what things of --to are found: by name, or by shape, whatever they are called (name)",
+        "help": "by what objects of --to are found: by name, or by shape, whatever they are called (name)",
     },
     # arms
     "--robot": {
@@ -154,7 +154,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--away": {
         "nargs": "+",
         "metavar": ("WHERE", "NUMBER"),
-        "help": "where things go that are taken: table, lift (15 cm clear of everything, for a skill of your "
+        "help": "where taken objects go: table, lift (15 cm clear of everything, for a skill of your "
         "own), bin, zone X0 Y0 X1 Y1 (level and free), hand-over X Y Z; metres from the arm's base (table)",
     },
     "--bin": {

@@ -27,7 +27,7 @@ DONE, NO_SAFE_PLAN, WRONG_USE, CRASHED, INTERRUPTED = 0, 1, 2, 70, 130
 
 COMMANDS = {
     "relate": "decide how every two objects lie to each other",
-    "order": "say in which order to take things, and why",
+    "order": "say in which order to take objects, and why",
     "check": "say whether a scene stands, what holds what up, and by how much",
     "plan": "plan grasps, placements and motions of the whole sequence",
     "run": "rebuild a scene in simulation and do it with an arm, looking again after every action",

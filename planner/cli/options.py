@@ -162,7 +162,7 @@ class Reading:
 
     def said(self, scene: "Scene", answer: Answer) -> Answer:
         """An answer to a scene, in words with names for its numbers."""
-        from topple.planner.report.names import spoken
+        from topple.planner.decide.names import spoken
 
         return spoken(scene, answer) if self.in_words else answer
 

@@ -20,7 +20,6 @@ from topple.planner.cli.tables import (
     print_build,
     print_moves,
     print_order,
-    with_next_view,
 )
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--hands",
         type=count,
         metavar="N",
-        help="how many hands there are: where things hold each other, 1 has no safe order, and 2 or more may",
+        help="number of hands: where objects hold each other, 1 has no safe order, and 2 or more may",
     )
     add(parser, "--clamped")
     parser.add_argument(
@@ -59,14 +58,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="say from where a camera would see most of what is hidden and decides the order",
     )
     parser.add_argument(
+        "--explain",
+        action="store_true",
+        help="print every step, and everything that carries something",
+    )
+    parser.add_argument(
         "--build",
         action="store_true",
-        help="say in which order to put the things of this finished arrangement down, and what to hold",
+        help="say in which order to put the objects of this finished arrangement down, and what to hold",
     )
     add(
         parser,
         "--to",
-        help="say in which order to move things until they lie as another scene, relations or words say",
+        help="say in which order to move objects until they lie as another scene, relations or words say",
     )
     add(parser, "--match")
 
@@ -109,7 +113,7 @@ def execute(args: argparse.Namespace) -> int:
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     code = partial(_code, args.hands is not None or bool(args.clamped))
     with kept_in(args, code) as kept, Progress("order") as progress:
-        return for_each_scene(args, work, partial(_show, args.json, kept, code), progress, by_scenes, kept)
+        return for_each_scene(args, work, partial(_show, args, kept, code), progress, by_scenes, kept)
 
 
 @dataclass(frozen=True)
@@ -122,6 +126,7 @@ class _Answer:
 
 
 _Ask = Callable[["Situation"], _Answer]
+_Code = Callable[[Mapping[str, Any]], int]
 
 
 def _answer(
@@ -139,10 +144,11 @@ def _ordered(
     target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation"
 ) -> _Answer:
     """The order in which things are taken, and from where to look next."""
+    from topple.planner.planning.next_view import with_next_view
     from topple.planner.planning.order import order
 
     found = order(situation, target, **options)
-    document = with_next_view(situation, found, target) if look else found.to_json()
+    document = with_next_view(situation, target, found) if look else found.to_json()
     return _Answer(document, len(situation.movable), found.certificate)
 
 
@@ -182,21 +188,19 @@ def _code(counted: bool, document: Mapping[str, Any]) -> int:
     return NO_SAFE_PLAN if lacking else DONE
 
 
-def _print(path: str, answer: _Answer) -> None:
+def _print(path: str, answer: _Answer, explain: bool) -> None:
     if answer.document.get("build"):
         print_build(path, answer.document)
     elif "moves" in answer.document:
         print_moves(path, answer.document)
     else:
-        print_order(path, answer.document, answer.movable)
+        print_order(path, answer.document, answer.movable, explain=explain)
     print_assumptions(answer.document["assumptions"])
 
 
-def _show(
-    as_json: bool, kept: Kept | None, code: Callable[[Mapping[str, Any]], int], path: str, answer: _Answer
-) -> int:
-    if not stored(as_json, kept, path, answer.document):
-        _print(path, answer)
+def _show(args: argparse.Namespace, kept: Kept | None, code: _Code, path: str, answer: _Answer) -> int:
+    if not stored(args.json, kept, path, answer.document):
+        _print(path, answer, args.explain)
     for words in answer.certificate:
         complain(f"{path}: no safe order: each has to go first, {words}")
     if code(answer.document) != DONE and not answer.certificate:

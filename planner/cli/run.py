@@ -55,7 +55,7 @@ def execute(args: argparse.Namespace) -> int:
             orderer=orderer or cautious, relate=relating,
             seed=args.seed, progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
-        from topple.planner.report.names import spoken
+        from topple.planner.decide.names import spoken
 
         said = spoken(scene, record)
         if place is not None:

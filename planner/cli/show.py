@@ -9,7 +9,7 @@ from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.tables import models_in, print_assumptions, with_next_view
+from topple.planner.cli.tables import models_in, print_assumptions
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.files import check_writable, write_whole
 
@@ -78,7 +78,6 @@ def _output(given: str | None, scene: str) -> Path:
 def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> dict[str, Any] | None:
     """The document of the order, or None where it was not asked for by name and gravity is unknown."""
     from topple.planner.planning.order import order
-    from topple.topology.situation.situation import Situation
 
     if not args.target and (scene.up is None or not scene.movable):
         return None
@@ -87,8 +86,7 @@ def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> 
         from topple.planner.planning.step import order_by
 
         return order_by(orderer, scene, args.target, relations, args.seed).to_json()
-    situation = Situation.of(scene, relations)
-    return with_next_view(situation, order(situation, args.target, seed=args.seed), args.target)
+    return order(scene, args.target, seed=args.seed, relations=relations).to_json()
 
 
 def _drawn(

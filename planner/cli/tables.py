@@ -7,9 +7,7 @@ from topple.planner.cli.console import in_options, print_table, print_text
 from topple.topology.base.values import rounded
 
 if TYPE_CHECKING:
-    from topple.planner.decide.arrange import Order
     from topple.topology.scene.scene import Scene
-    from topple.topology.situation.situation import Situation
 
 Document = Mapping[str, Any]
 
@@ -44,41 +42,29 @@ def _pair(pair: Document) -> tuple[str, ...]:
     return (pair["a"], pair["relation"], pair["b"], gap, f"{pair['confidence']:.2f}", matrix, note)
 
 
-def print_order(title: str, document: Document, movable: int | None = None) -> None:
-    """Print what `order` found: the steps with their reasons, what carries what, groups.
+def print_order(title: str, document: Document, movable: int | None = None, *, explain: bool = False) -> None:
+    """Print what `order` found: its first steps with their reasons, the weakest contacts, what is held.
 
     Args:
         title: What it was found in.
         document: A `topple.order` document.
         movable: Number of objects that could be taken, where it is to be told.
+        explain: Print every step, and all that carries something.
     """
-    from topple.planner.decide.words import order_heading, order_notes, order_rows
+    from topple.planner.decide.words import contact, first_rows, order_heading, order_notes, order_rows
 
     print_text(f"{title}: {order_heading(document, movable)}")
-    print_table(("", "take", "because", "how sure"), order_rows(document), right=(0,))
-    if document["supports"]:
+    rows, told = (order_rows(document), []) if explain else first_rows(document)
+    print_table(("", "take", "because", "how sure"), rows, right=(0,))
+    print_text(*(f"{line}: --explain" if line.startswith("and ") else line for line in told))
+    if explain and document["supports"]:
         print_text("", "What carries what:")
-        rows = [_support(support) for support in document["supports"]]
-        print_table(("", "", "", "confidence", ""), rows, right=(3,))
+        sure = [(f"{each['confidence']:.2f}", "inferred" * each["inferred"]) for each in document["supports"]]
+        carried = [contact(document, each) for each in document["supports"]]
+        print_table(("", "confidence", ""), [(x, *y) for x, y in zip(carried, sure, strict=True)], right=(1,))
     print_text(*order_notes(document))
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
-
-
-def with_next_view(asked: "Situation", found: "Order", targets: list[str] | None) -> dict[str, Any]:
-    """The document of an order with the place to look from next, and its side as the first camera has it."""
-    import numpy as np
-
-    from topple.planner.decide.words import side_of
-    from topple.planner.planning.next_view import next_view
-
-    view, scene, up = next_view(asked, targets, found=found), asked.scene, asked.scene.up
-    if view is None or up is None:
-        return {**found.to_json(), "next_view": None}
-    seen = scene.images[0].pose_camera_to_world[:3, 0] if scene.images else None
-    right = np.cross(view.target - scene.viewpoints[0], up) if seen is None else seen
-    told = {**view.to_json(), "from": side_of(view.eye - view.target, right, up)}
-    return {**found.to_json(), "next_view": told}
 
 
 def print_build(title: str, document: Document) -> None:
@@ -112,7 +98,7 @@ def print_moves(title: str, document: Document) -> None:
     buffers = sum(move["buffer"] for move in moves)
     proven = "no sequence has fewer" if document["optimal"] else f"no sequence has fewer than {bound}"
     if not moves:
-        print_text(f"{title}: everything lies as it shall")
+        print_text(f"{title}: everything is in its place")
         return
     print_text(f"{title}: {len(moves)} moves, {buffers} of them to make room; {proven}")
     rows = [
@@ -125,13 +111,6 @@ def print_moves(title: str, document: Document) -> None:
         for i, (move, line) in enumerate(zip(moves, document["explanation"], strict=True), start=1)
     ]
     print_table(("", "move", "where", "because"), rows, right=(0,))
-
-
-def _support(support: Document) -> tuple[str, ...]:
-    from topple.planner.decide.words import WORDS
-
-    told = (support["supported"], WORDS.get(support.get("kind", ""), ""), support["supporter"])
-    return (*told, f"{support['confidence']:.2f}", "inferred" if support.get("inferred") else "")
 
 
 def print_run(title: str, document: Document) -> None:

@@ -11,8 +11,9 @@ import numpy as np
 
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.hold import Hold
+from topple.planner.decide.names import renamed
 from topple.planner.decide.sequence import safest
-from topple.planner.decide.words import order_heading, order_notes, order_rows
+from topple.planner.decide.words import first_rows, order_heading, order_notes, order_rows
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.notebook import in_cell
@@ -77,6 +78,7 @@ class Order(ByValue):
         verified: True where simulation has checked the order.
         chances: (first, then) -> chance that taking `then` moves `first`, as this scene shows it.
         notes: More entries of the JSON object.
+        called: How people call what a label's number names; print says it.
         holds: What a second hand has to hold so that it comes apart.
         proven: Whether no order of the groups needs fewer holds.
 
@@ -105,6 +107,7 @@ class Order(ByValue):
     notes: Mapping[str, Any] = field(default_factory=lambda: FrozenDict({}))
     holds: tuple[Hold, ...] = ()
     proven: bool = True
+    called: Mapping[str, str] = field(default_factory=lambda: FrozenDict({}), compare=False, repr=False)
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
@@ -124,10 +127,12 @@ class Order(ByValue):
 
     def __str__(self) -> str:
         """The steps as `topple order` prints them, what is held, and what has no order."""
-        document = self.to_json()
-        rows = [(number, name, sure, why) for number, name, why, sure in order_rows(document)]
-        lines = [*in_columns(rows), *order_notes(document)]
-        lines += [f"no safe order: each has to go first, {cycle}" for cycle in self.certificate]
+        document = renamed(self.to_json(), self.called)
+        rows, told = first_rows(document)
+        lines = [*in_columns([(number, name, sure, why) for number, name, why, sure in rows]), *told]
+        lines += order_notes(document)
+        cycles = renamed(self.certificate, self.called)
+        lines += [f"no safe order: each has to go first, {cycle}" for cycle in cycles]
         return "\n".join([order_heading(document, len(self.graph.names)), *lines])
 
     @property

@@ -1,6 +1,6 @@
 """A dependency and an order said in plain words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -92,15 +92,41 @@ def order_heading(order: Document, movable: int | None = None) -> str:
 def order_rows(order: Document) -> list[tuple[str, ...]]:
     """A row for each step of a `topple.order` document: number, object, why, and how sure it is."""
     told, risk, at = order_in_words(order), order.get("risk") or {}, places(order)
-    look = order.get("next_view") or {"shows": ()}
+    look, hidden = order.get("next_view") or {"shows": ()}, dict[str, list[str]]()
     for pair in look["shows"][:3]:
         first, other = sorted((pair["a"], pair["b"]), key=lambda name: at.get(name, len(at) + 1))
         if first in at and how_sure(risk.get(first) or 0.0) != "sure":
-            why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {other} is hidden."
-            told[at[first] - 1] = (first, why)
+            hidden.setdefault(first, []).append(other)
+    for first, others in hidden.items():
+        why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {listed(others)} is hidden."
+        told[at[first] - 1] = (first, why)
     if order.get("build"):
         told = [*zip(order["order"], (x.partition(": ")[2] for x in order["explanation"]), strict=True)]
     return [(str(i), name, why, how_sure(risk.get(name) or 0.0)) for i, (name, why) in enumerate(told, 1)]
+
+
+def first_rows(order: Document, most: int = 5) -> tuple[list[tuple[str, ...]], list[str]]:
+    """The first rows of an order, and in words how many more there are and which contacts are weakest."""
+    rows = order_rows(order)
+    left = len(rows) - most
+    told = [f"and {left} more"] if left > 0 else []
+    if supports := sorted(order.get("supports") or (), key=lambda each: float(each["confidence"])):
+        weak = [f"{contact(order, each)} ({float(each['confidence']):.2f})" for each in supports[:2]]
+        told.append(f"Weakest contact{'s' * (len(weak) > 1)}: {listed(weak)}.")
+    return rows[:most], told
+
+
+def contact(order: Document, support: Document, shown: Callable[[str], str] = str) -> str:
+    """Say what carries what, as "can rests on plate", with names as they are to be shown."""
+    lower, upper, kind = (
+        str(support["supporter"]),
+        str(support["supported"]),
+        str(support.get("kind", "rests")),
+    )
+    for tie in order.get("dependencies", ()):
+        if kind == "leans" and (tie["then"], tie["first"]) == (lower, upper):
+            kind = said(tie)
+    return f"{shown(upper)} {WORDS.get(kind, kind)} {shown(lower)}"
 
 
 def order_notes(order: Document) -> list[str]:

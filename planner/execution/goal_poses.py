@@ -31,7 +31,7 @@ def off_goal_poses(
     for name, pose in wanted.items():
         way, angle = off_goal_pose(world, name, pose, up)
         if way > most or angle > turn:
-            where = f"{1e3 * way:.0f} mm and {np.degrees(angle):.0f} degrees from where it shall be"
+            where = f"{1e3 * way:.0f} mm and {np.degrees(angle):.0f} degrees from where it should be"
             found.append(f"{name} is {where}")
     return tuple(found)
 

@@ -103,7 +103,7 @@ class PlacementData(msgspec.Struct, frozen=True):
         drop: How far it then falls [m].
         into: What it is put on or into; null on a table.
         how: "on" or "within" that; "lift", "bin", "zone" or "hand-over" where it goes to none of the scene's
-            things, see `away`; empty on a table.
+            objects, see `away`; empty on a table.
         falls: Whether it is let go though it does not stay there: a drop that was allowed.
     """
 
@@ -128,7 +128,7 @@ class PlacementData(msgspec.Struct, frozen=True):
 
 
 class AwayData(msgspec.Struct, frozen=True):
-    """Where things go that are taken, other than onto what was seen: they are out of the scene then.
+    """Where objects go that are taken, other than onto what was seen: they are out of the scene then.
 
     Attributes:
         how: "lift", the hand ends 15 cm clear of everything with the object; "bin", into an open box, one of
@@ -168,7 +168,7 @@ class Step(msgspec.Struct, frozen=True):
         against: Dependencies, each more likely wrong than right, that it goes against.
         fallbacks: What was tried to find the step where the plain way failed: see
             `topple.planner.fallbacks`.
-        buffer: Whether the object only makes room, and is taken again to where it shall be.
+        buffer: Whether the object only makes room, and is taken again to its place.
         unseen: Whether the hand comes in through space that no camera saw to be empty: look there before.
     """
 
@@ -225,14 +225,14 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
         up: Against gravity, in the world.
         upright: Objects that are kept upright, with what is in them.
         clamped: Objects that a fixture keeps where they stand until the hand has closed on them.
-        away: Where things go that are taken; null where that is free places on what was seen.
+        away: Where objects go that are taken; null where that is free places on what was seen.
         assumptions: What was assumed and not seen.
         certified: Whether every motion was proven free between its samples too.
         seconds: Duration of the motions [s].
         planning_seconds: What it took to find the plan.
         tried: What was dropped on the way, with counts.
         arm: The arm with its tools, and where its URDF is; null in plans of older versions.
-        poses: Where things shall lie in the end, where that was given: by name, the rigid transform in the
+        poses: Places of objects in the end, where they were given: by name, the rigid transform in the
             world from where each is at the start.
     """
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from math import degrees
 from typing import Any
 
+from topple.planner.decide.names import spoken
 from topple.planner.fallbacks import Fallback
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.tolerances import DISTURBED, TURNED
@@ -191,7 +192,9 @@ class RunRecord(ByValue):
 
     def __str__(self) -> str:
         """What `topple run` prints: the outcome, and a line for each action."""
-        return "\n".join([run_heading(found := self.to_json()), *in_columns(run_rows(found))])
+        first = next((step.scene for step in self.steps if step.scene is not None), None)
+        found = self.to_json() if first is None else spoken(first, self.to_json())
+        return "\n".join([run_heading(found), *in_columns(run_rows(found))])
 
     @property
     def severity(self) -> Mapping[str, tuple[float, float]]:

@@ -56,13 +56,13 @@ def _down(name: str, situation: Situation, pose: FloatArray) -> Placement | None
     released = pose.copy()
     released[:3, 3] += (drop - least) * up
     if below in scene.fixed:
-        return Placement(released, 1.0, "where it shall be", drop)
+        return Placement(released, 1.0, "where it goes", drop)
     centre = pose[:3, :3] @ centre_in(scene, name, solids[name]) + pose[:3, 3]
     around = scene.clouds[below]
     sunk = float((around @ up).max() - (body @ up).min()) + least > CONTACT
     inside = sunk and inset(around @ axes.T, (axes @ centre)[None])[0] > 0.0
     how = PlaceRelation.WITHIN if inside else PlaceRelation.ON
-    return Placement(released, 1.0, f"where it shall be, {how} {below}", drop, below, how)
+    return Placement(released, 1.0, f"where it goes, {how} {below}", drop, below, how)
 
 
 def _with_boards(

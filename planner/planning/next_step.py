@@ -180,7 +180,7 @@ class StepChooser:
         """The object to where the goal wants it, or first what has to go before it or is in the way there."""
         name, where = place.object, place.where
         if place.how == PlaceRelation.ON and (others := self._standing_on(place)):
-            return self.take_off(others, Action.REMOVE, f"it is where {name} shall be")
+            return self.take_off(others, Action.REMOVE, f"it is where {name} goes")
         chosen = self._ordered([name])
         if len(chosen.order) > 1:
             return self.take_off([name], Action.PLACE)
@@ -306,7 +306,7 @@ class _Placing:
             room = []  # it was tried, and it is not there: more room is needed
         found = self._chooser.transfers.to(place.object, room, limits) if room else _no_room(place)
         if isinstance(found, Transfer):
-            why = f"it shall be {place.how} {place.where}"
+            why = f"it goes {place.how} {place.where}"
             return NextStep(found, Action.PLACE, why, self._chosen)
         self._failure = found
         return None

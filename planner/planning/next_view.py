@@ -2,11 +2,12 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from topple.planner.decide.arrange import Order
+from topple.planner.decide.words import side_of
 from topple.planner.planning.order import order as order_of
 from topple.planner.planning.tolerances import (
     AZIMUTHS,
@@ -27,9 +28,6 @@ from topple.topology.base.values import ByValue
 from topple.topology.io.load import AnyScene
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.situation.situation import Situation
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +110,26 @@ def next_view(
     """
     views = next_views(scene, targets, eyes=eyes, found=found)
     return views[0] if views else None
+
+
+def with_next_view(
+    asked: Situation, targets: Collection[str] | str | None, found: Order | None = None
+) -> dict[str, Any]:
+    """The document of an order with the place to look from next, and its side as the first camera has it.
+
+    Args:
+        asked: What the order is of.
+        targets: Names to free; none clears everything.
+        found: The order, where it is known.
+    """
+    found = order_of(asked, targets, check_gravity=False) if found is None else found
+    view, scene = next_view(asked, targets, found=found), asked.scene
+    if view is None:
+        return {**found.to_json(), "next_view": None}
+    seen = scene.images[0].pose_camera_to_world[:3, 0] if scene.images else None
+    right = np.cross(view.target - scene.viewpoints[0], asked.up) if seen is None else seen
+    told = {**view.to_json(), "from": side_of(view.eye - view.target, right, asked.up)}
+    return {**found.to_json(), "next_view": told}
 
 
 def next_views(

@@ -270,5 +270,5 @@ def _possible(problem: Problem, pairs: frozenset[Pair]) -> bool:
 
 
 def _off(fit: Registration) -> str:
-    """How far something is from where it shall be, in words."""
-    return f"{1e3 * fit.way:.0f} mm and {np.degrees(fit.turn):.0f} degrees from where it shall be"
+    """How far something is from where it should be, in words."""
+    return f"{1e3 * fit.way:.0f} mm and {np.degrees(fit.turn):.0f} degrees from where it should be"

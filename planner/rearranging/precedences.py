@@ -48,7 +48,7 @@ class OccupiedPlace:
 
     def sentence(self) -> str:
         """The reason in words."""
-        return f"{self.first} is where {self.then} shall be"
+        return f"{self.first} is where {self.then} goes"
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,11 @@ class Precedences:
             if move.object not in off:
                 why += [e.sentence() for e in _direct(self.removals, off) if e.first == move.object]
                 taken = [p.then for p in self.places if p.first == move.object and p.then not in down]
-                why += [f"{move.object} is where {_counted(taken)} shall be"] if taken else []
+                why += (
+                    [f"{move.object} is where {_counted(taken)} {'goes' if len(taken) == 1 else 'go'}"]
+                    if taken
+                    else []
+                )
                 off.add(move.object)
             if move.to is To.GOAL:
                 down.add(move.object)

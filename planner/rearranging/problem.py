@@ -94,7 +94,7 @@ class Problem:
                         return f"{event[0]} {event[1]} before {first[0]} {first[1]}"
                 done.add(event)
         left = [name for name in (*self.moving, *handled) if (Act.PUT, name) not in done]
-        return f"{left[0]} is not where it shall be" if left else None
+        return f"{left[0]} is not in its place" if left else None
 
 
 def _stays(event: Event, absent: Collection[str]) -> bool:

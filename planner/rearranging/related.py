@@ -66,7 +66,7 @@ def _told(document: Mapping[str, Any], situation: Situation) -> Pairs:
         pair = (b, a) if relation in OUTSIDE else (a, b)
         told[pair] = table.between(*pair).relation
     if not told:
-        raise InvalidInput("the relations tell of nothing that moves: expected pairs of what shall lie where")
+        raise InvalidInput("the relations tell of nothing that moves: expected pairs of the goal")
     return told
 
 

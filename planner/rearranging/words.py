@@ -68,7 +68,7 @@ def described(words: str, situation: Situation) -> Arrangement:
         NoSafePlan: Somewhere there is no room; or the words go round in a circle.
     """
     if not words.strip():
-        raise InvalidInput('the arrangement is empty: say where things shall lie, as "cup left of plate"')
+        raise InvalidInput('the arrangement is empty: say where objects go, as "cup left of plate"')
     return laid_out(_read(words, situation), situation)
 
 
@@ -106,7 +106,7 @@ def _read(words: str, situation: Situation) -> list[Place | Beside]:
         sides.append(Beside(name, Side(side), where))
     goal = parse_goal(", ".join(said), scene) if said else None
     if goal is not None and (goal.free or goal.empty):
-        raise InvalidInput(f"{words!r} does not say where things shall lie: 'free' and 'empty' are goals")
+        raise InvalidInput(f"{words!r} does not say where objects go: 'free' and 'empty' are goals")
     clauses: list[Place | Beside] = [*(goal.places if goal is not None else ()), *sides]
     names = [clause.object for clause in clauses]
     if twice := sorted({name for name in names if names.count(name) > 1}):

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from topple.planner.decide.names import Colour, spoken
 from topple.planner.decide.words import CHECK_HEADINGS, MARGINS, check_cells
 from topple.planner.report.drawing import Document, Drawing, view_data
 from topple.planner.report.figure import draw_list, draw_view, side_by_side
 from topple.planner.report.html import table, view_page
-from topple.planner.report.names import spoken
-from topple.planner.report.palette import Colour, css
+from topple.planner.report.palette import css
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import object_name, sentence_list
 from topple.topology.base.arguments import checked_arguments

@@ -8,10 +8,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from trimesh import Trimesh
 
+from topple.planner.decide.names import Colour, paints_of, photo_of
 from topple.planner.decide.words import because, places, said
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import paints_of, photo_of
-from topple.planner.report.palette import FIXED_COLOUR, Colour, css, ink_on, object_colours, relation_colour
+from topple.planner.report.palette import FIXED_COLOUR, css, ink_on, object_colours, relation_colour
 from topple.robots.collision.convex import hull_of, reduced
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.bodies.surfaces import whole_surfaces
@@ -225,7 +225,7 @@ def _spacing_and_normals(points: FloatArray) -> tuple[float, FloatArray]:
 
 def outline(points: FloatArray) -> tuple[FloatArray, IntArray]:
     """The hull of points, few enough corners to look at: (V, 3) [m] and triangles (F, 3)."""
-    return hull_of(reduced(hull_of(points)[0], LIMITS.outline)[0])
+    return hull_of(reduced(hull_of(points)[0], LIMITS.finest)[0])
 
 
 def _up(scene: Scene) -> FloatArray:

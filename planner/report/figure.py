@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.decide.words import order_in_words, ordinal, shortened
+from topple.planner.decide.names import Colour, spoken
+from topple.planner.decide.words import order_in_words, order_rows, ordinal, shortened
 from topple.planner.formats.pictures import png
 from topple.planner.report.drawing import Document, Documented, Drawing, DrawnObject, document, view_data
 from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_head
 from topple.planner.report.html import legend
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken
-from topple.planner.report.palette import FIXED_COLOUR, Colour, ink_on, reason_colour, relation_colour
+from topple.planner.report.palette import FIXED_COLOUR, ink_on, reason_colour, relation_colour
 from topple.planner.report.raster import Projection, render_clouds
+from topple.planner.report.show import with_look
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.scene import Scene
@@ -48,6 +49,7 @@ def show_picture(
     """
     both = document(relations), None if order is None else document(order)
     scene, (found, planned) = spoken(scene, (scene, both))
+    planned = None if planned is None else with_look(scene, planned)
     drawing = Drawing.of(scene)
     view = draw_view(drawing, view_data(drawing, found, planned))
     if planned is None:
@@ -83,7 +85,7 @@ def order_gif(
     told = order_in_words(planned)
     if not told:
         raise InvalidInput("nothing to animate: the order takes nothing")
-    drawing = Drawing.of(scene, LIMITS.picture_points)
+    drawing = Drawing.of(scene, LIMITS.cell_points)
     fine, coarse = (Projection(drawing, SIZE[0] * scale, SIZE[1] * scale) for scale in (FINE, 1))
     frames: list[tuple[Image.Image, int]] = []
     left = {drawn.name: drawn for drawn in drawing.objects}
@@ -298,7 +300,7 @@ def _graph(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
 def _order(drawing: Drawing, order: Document) -> "Image.Image":
     """The order in words, and what has none."""
     lines: list[tuple[Colour | None, str]] = []
-    for place, (name, why) in enumerate(order_in_words(order), start=1):
+    for place, name, why, _ in order_rows(order):
         lines.append((drawing.colours.get(name, FIXED_COLOUR), f"{place}. {shortened(name)}: {why}"))
     for cycle in order.get("unresolved", ()):
         names = cycle if isinstance(cycle, str) else ", ".join(str(name) for name in cycle)

@@ -10,14 +10,13 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
+from topple.planner.decide.names import Colour, spoken
 from topple.planner.decide.words import WORDS, because, ordinal, places, said, shortened
 from topple.planner.report.html import key
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken
 from topple.planner.report.palette import (
     FIXED_COLOUR,
     REASON_COLOURS,
-    Colour,
     css,
     ink_on,
     object_colours,

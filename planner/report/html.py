@@ -6,7 +6,8 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from topple.planner.report.palette import RELATION_COLOURS, Colour, css
+from topple.planner.decide.names import Colour
+from topple.planner.report.palette import RELATION_COLOURS, css
 
 View = Mapping[str, Any]
 Span = tuple[str, float, float]  # a part of a time line: its name, from when and until when [s]

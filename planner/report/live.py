@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from topple.planner.decide.names import spoken, spoken_names
 from topple.planner.decide.words import order_rows, sentence
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.planning.order import ordered
 from topple.planner.planning.step import Orderer, order_by
 from topple.planner.report.drawing import Drawing, DrawnObject, is_inferred, outline
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken, spoken_names
 from topple.planner.report.palette import relation_colour
 from topple.planner.report.plan_page import check_scene, plan_motion
 from topple.robots.arm.visuals import visuals

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.decide.names import renamed, spoken
 from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import columns, page, view_page
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken
 from topple.planner.report.palette import object_colours
 from topple.planner.report.plan_page import order_of, step_list
 from topple.planner.report.run_page import run_page
@@ -45,7 +45,7 @@ def relations_cell(relations: "Relations") -> str:
 
 def order_cell(order: "Order") -> str:
     """The dependency graph, and the order with its reasons; an order has no clouds to show."""
-    found, names = order.to_json(), order.graph.names
+    found, names = renamed((order.to_json(), order.graph.names), order.called)
     graph = graph_box(DrawnGraph.of(names, found, row=560.0), object_colours(names), {})
     words = order_list(found, {}) + sentence_list(order.assumptions, "Assumptions")
     return _framed(page("Order", columns(graph, words), {}, (), compact=True), LOW)

@@ -7,9 +7,8 @@ from collections.abc import Collection, Iterable
 
 import numpy as np
 
+from topple.planner.decide.names import HUES, Colour
 from topple.topology.sixim.table import Relation
-
-Colour = tuple[int, int, int]  # red, green, blue, 0..255
 
 RELATION_COLOURS: dict[str, Colour] = {
     Relation.TOUCH: (214, 39, 40),
@@ -39,19 +38,6 @@ _GOLDEN_TURN = 0.61803398875
 _LIGHTNESS = (0.5, 0.38, 0.62)
 _SATURATION = 0.42
 _ALIKE = 0.05  # turns between hues that look the same; all words in use leave some
-_GREY = 0.2  # share of its brightest channel by which the channels of a grey differ at most
-_BLACK, _WHITE = 0.25, 0.6  # lightness of what is called black at most, and white at least
-_HUES = {
-    "red": 0.0,
-    "orange": 0.08,
-    "yellow": 0.15,
-    "green": 0.36,
-    "teal": 0.49,
-    "blue": 0.61,
-    "purple": 0.77,
-    "pink": 0.92,
-}
-"""Turns of the hue that a word in a name stands for: a cube called green is drawn green."""
 
 
 def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[str, Colour]:
@@ -67,15 +53,15 @@ def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[st
         colour, it has that hue.
     """
     every = tuple(names)
-    said_of = {name: [w for w in re.findall("[a-z]+", name.lower()) if w in _HUES] for name in every}
+    said_of = {name: [w for w in re.findall("[a-z]+", name.lower()) if w in HUES] for name in every}
     words = {name: found[0] for name, found in said_of.items() if found and name not in fixed}
-    taken, turn, said = [_HUES[word] for word in words.values()], 0, Counter[str]()
+    taken, turn, said = [HUES[word] for word in words.values()], 0, Counter[str]()
     colours: dict[str, Colour] = {}
     for name in every:
         if name in fixed:
             colours[name] = FIXED_COLOUR
         elif word := words.get(name):
-            colours[name] = _paint(said[word], _HUES[word])
+            colours[name] = _paint(said[word], HUES[word])
             said[word] += 1
         else:
             while any(abs((_hue(turn) - hue + 0.5) % 1.0 - 0.5) < _ALIKE for hue in taken):
@@ -94,16 +80,6 @@ def _paint(number: int, hue: float) -> Colour:
     """A colour of muted strength; three in turn differ in lightness."""
     red, green, blue = colorsys.hls_to_rgb(hue, _LIGHTNESS[number % 3], _SATURATION)
     return round(255 * red), round(255 * green), round(255 * blue)
-
-
-def colour_word(colour: Colour) -> str:
-    """Say in a word which colour something has: the name of a hue, or black, grey, white or brown."""
-    hue, light, _ = colorsys.rgb_to_hls(*np.divide(colour, 255).tolist())
-    if max(colour) - min(colour) < _GREY * max(colour) or max(colour) < 255 * _BLACK:
-        return "black" if light < _BLACK else "white" if light > _WHITE else "grey"
-    word = min(_HUES, key=lambda name: abs((hue - _HUES[name] + 0.5) % 1.0 - 0.5))
-    pale = max(colour) - min(colour) < 2 * _GREY * max(colour) and light < 0.5
-    return "brown" if word in ("red", "orange") and pale else word
 
 
 def css(colour: Colour) -> str:

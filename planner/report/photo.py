@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
+from topple.planner.decide.names import Colour, photo_of
 from topple.planner.decide.words import ordinal, places, shortened
 from topple.planner.formats.pictures import Pixels, jpeg, png
 from topple.planner.report.drawing import Document, Drawing
-from topple.planner.report.names import photo_of
-from topple.planner.report.palette import Colour, css, ink_on
+from topple.planner.report.palette import css, ink_on
 from topple.topology.base.arrays import BoolArray
 from topple.topology.scene.scene import Scene
 from topple.topology.views.image import Photo

@@ -6,7 +6,8 @@ from html import escape
 import numpy as np
 from msgspec import to_builtins
 
-from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_in_words, sentence
+from topple.planner.decide.names import spoken
+from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_rows, sentence
 from topple.planner.formats.arm_motion import ArmMotion, Carry
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
@@ -15,10 +16,9 @@ from topple.planner.planning.plan_format import Plan
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.html import Span, bullets, folded, glance, plain_table, view_page
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
-from topple.planner.report.show import dependency_section
+from topple.planner.report.show import dependency_section, with_look
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.verification import Verification
@@ -81,6 +81,7 @@ def plan_page(
         named = enumerate(zip(plan.steps, [0.0, *ends], ends, strict=False), start=1)
         bands = [(f"{number}. {step.object}", since, until) for number, (step, since, until) in named]
         told = motion_json(motion, shape, drawing.index, drawing.centre, bands)
+    order = with_look(scene, order)
     steps = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}"
     top = _head(plan, bands, refuted=verification is not None and not verification.ok)
     top += glance(photo(scene, drawing, order), steps, dependency_section(scene, drawing, order))
@@ -153,15 +154,21 @@ def order_of(plan: Plan) -> Document:
 
 def step_list(plan: Plan, order: Document, index: Mapping[str, int]) -> str:
     """The steps of a plan with their reasons as HTML."""
-    told = [text for _, text in order_in_words(order)]
+    told = [text for _, _, text, _ in order_rows(order)]
     items = "".join(
         f'<li data-object="{index.get(step.object, -1)}" tabindex="0">'
         f'<b class="name">{escape(step.object)}</b>: '
-        f"{escape(sentence(step.reason) if text in (f'{UNTIED}.', f'{TARGET}.') else text)}"
+        f"{escape(_reason(step, text))}"
         f'<span class="kind">{escape(_how(step))}</span></li>'
         for step, text in zip(plan.steps, told, strict=False)
     )
     return f'<ol class="order steps">{items}</ol>' if items else "<p>There is nothing to do.</p>"
+
+
+def _reason(step: Step, told: str) -> str:
+    """Why a step is done: what the plan knows of it where an order says that nothing ties it."""
+    bare = next((each for each in (f"{UNTIED}.", f"{TARGET}.") if told.startswith(each)), "")
+    return f"{sentence(step.reason)}{told.removeprefix(bare)}" if bare else told
 
 
 def _how(step: Step) -> str:

@@ -4,16 +4,16 @@ import math
 from html import escape
 from typing import Any
 
+from topple.planner.decide.names import photo_of, spoken
 from topple.planner.decide.words import counted, millimetres, sentence
 from topple.planner.formats.pictures import picture, pixels_of
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, view_data
-from topple.planner.report.html import beside, bullets, folded, glance, page, plain_table, table, viewer
+from topple.planner.report.html import bullets, folded, glance, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import photo_of, spoken
 from topple.planner.report.photo import around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
-from topple.planner.report.show import dependency_section
+from topple.planner.report.show import dependency_section, with_look
 from topple.planner.report.tables import order_list, relation_changes, relation_table
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.topology.base.arguments import checked_arguments
@@ -71,7 +71,7 @@ class _RunPage:
         html += bullets([sentence(text) for text in step.events])
         drawing = None if step.scene is None else Drawing.of(step.scene, self.points, step.photo)
         words, graph = self.ordered(drawing, step)
-        done = _facts(step) + beside(_disturbed(step), _predictions(step))
+        done = _facts(step) + _disturbed(step) + _predictions(step)
         html += glance(self.photographed(step, drawing), words, graph + done)
         html += self.seen(drawing, step, "Seen before this step, and what the arm did")
         return f'<section class="step">{html}</section>'
@@ -122,7 +122,7 @@ class _RunPage:
         """The order from a moment on, and its graph."""
         if moment.scene is None or drawing is None or moment.order is None:
             return "", ""
-        words = "<h2>Order from here</h2>" + order_list(moment.order, drawing.index)
+        words = "<h2>Order from here</h2>" + order_list(with_look(moment.scene, moment.order), drawing.index)
         return words, dependency_section(moment.scene, drawing, moment.order)
 
     def seen(self, drawing: Drawing | None, moment: StepRecord | RunRecord, title: str) -> str:

@@ -2,15 +2,17 @@
 
 from html import escape
 
+from topple.planner.decide.names import spoken
 from topple.planner.decide.words import listed, order_in_words, sentences
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import folded, glance, view_page
-from topple.planner.report.names import spoken
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
 from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.errors import ToppleError
 from topple.topology.scene.scene import Scene
+from topple.topology.situation.situation import Situation
 
 
 @checked_arguments
@@ -35,6 +37,7 @@ def show_page(
     """
     both = document(relations), None if order is None else document(order)
     scene, (found, planned) = spoken(scene, (scene, both))
+    planned = None if planned is None else with_look(scene, planned)
     drawing = Drawing.of(scene)
     head, beneath = _head(scene, planned, title), photo(scene, drawing, planned)
     if planned is not None:
@@ -46,6 +49,20 @@ def show_page(
     right += sentence_list(_assumptions(scene, planned), "Assumptions")
     view = view_data(drawing, found, planned)
     return view_page(title or "topple: what is where", head, view, ("", right))
+
+
+def with_look(scene: Scene, order: Document) -> Document:
+    """The document of an order with the side from which a next look would decide, where there is one."""
+    if "next_view" in order or order.get("build") or scene.up is None or not len(scene.viewpoints):
+        return order
+    from topple.planner.planning.next_view import with_next_view
+
+    try:
+        told = with_next_view(Situation.of(scene), order["targets"])
+    except ToppleError:  # of what was seen no order can be made anew
+        return order
+    view = {"next_view": told["next_view"]} if told["next_view"] else {}
+    return {**order, "risk": order.get("risk") or told["risk"], **view}
 
 
 def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:

@@ -5,13 +5,12 @@ from html import escape
 from typing import Any, NamedTuple
 
 from topple.planner.decide.words import (
-    WORDS,
+    contact,
     counted,
     listed,
     millimetres,
     order_notes,
     order_rows,
-    said,
     sentences,
     shortened,
 )
@@ -137,11 +136,9 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
         lines.append((" bad", f"No safe order among {named(cycle)}: each holds another."))
     html = "".join(f'<p class="certificate{kind}">{words}</p>' for kind, words in lines)
     if supports := list(order.get("supports") or ()):
-        ties = order.get("dependencies", ())
-        lying = {(str(tie["then"]), str(tie["first"])): said(tie) for tie in ties}
-        rows = "".join(f"<li>{_support(support, index, lying)}</li>" for support in supports)
+        rows = "".join(f"<li>{_support(order, support, index)}</li>" for support in supports)
         weakest = min(supports, key=lambda support: float(support.get("confidence", 1.0)))
-        html += f'<p class="note">Weakest contact: {_support(weakest, index, lying)}.</p>'
+        html += f'<p class="note">Weakest contact: {_support(order, weakest, index)}.</p>'
         html += folded(f"What carries what ({len(supports)})", f"<ul>{rows}</ul>")
     if access := list(order.get("access") or ()):
         rows = "".join(
@@ -153,16 +150,10 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
     return html
 
 
-def _support(
-    support: Mapping[str, Any], index: Mapping[str, int], lying: Mapping[tuple[str, str], str]
-) -> str:
-    names = str(support["supporter"]), str(support["supported"])
-    lower, upper = (object_name(name, index) for name in names)
-    kind = str(support.get("kind", "rests"))
-    kind = WORDS[lying.get(names, kind) if kind == "leans" else kind]
+def _support(order: Document, support: Mapping[str, Any], index: Mapping[str, int]) -> str:
     evidence = "inferred" if support.get("inferred", False) else "observed"
     sure = f"{evidence}, confidence {float(support.get('confidence', 1.0)):.2f}"
-    return f"{upper} {kind} {lower}{_aside(f'({sure})')}"
+    return contact(order, support, lambda name: object_name(name, index)) + _aside(f"({sure})")
 
 
 def sentence_list(lines: Sequence[str], title: str) -> str:

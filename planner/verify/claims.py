@@ -327,7 +327,7 @@ OF_PLANS = (
         "relations and places afterwards",
         (
             Check("goal clauses unmet", outcome.unmet),
-            Check("bodies off the place they shall have", outcome.off_wanted, "m", DISTURBED),
+            Check("bodies off their place", outcome.off_wanted, "m", DISTURBED),
             Check("order against the steps", premises.orders),
             Check("actions that the goal does not ask for", outcome.not_asked_for),
         ),

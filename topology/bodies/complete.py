@@ -12,6 +12,7 @@ from topple.topology.base.remembered import remembered
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import (
     BARE,
+    BOWL,
     BOXY,
     COMPLETE_CLOSED,
     KEPT_BODIES,
@@ -22,6 +23,7 @@ from topple.topology.bodies.tolerances import (
     PLATE,
     REFUTED,
     ROUND_REFUTED,
+    UPRIGHT,
 )
 from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.axes import cross, perpendiculars
@@ -172,7 +174,7 @@ def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
 
 
 def kind_of(points: FloatArray, sight: FreeSpace | None, floor: float = -np.inf) -> str:
-    """Say in a word what a body looks like: box, can, ball, bowl, plate, or object where it is none of these.
+    """Say in a word what a body looks like: box, can, ball, bowl, cup, plate, or object where none is clear.
 
     Args:
         points: (N, 3) upright seen points [m].
@@ -183,11 +185,15 @@ def kind_of(points: FloatArray, sight: FreeSpace | None, floor: float = -np.inf)
     if _is_furniture(points):
         return "object"
     tall, *wide = (seen.upright_box.upper - seen.upright_box.lower).tolist()
+    upright = tall > UPRIGHT * max(wide)
     if is_hollow(points, sight):
-        return "plate" if tall < PLATE * max(wide) else "bowl"
+        if tall < PLATE * max(wide):
+            return "plate"
+        open_above = seen.hull is not None and _mouth_share(seen, seen.hull, sight) > BOWL
+        return "cup" if upright else "bowl" if open_above else "object"
     fit = _round_of(seen, seen.box, sight, floor)
-    if isinstance(fit, Spheroid):
-        return "ball"
+    if isinstance(fit, Spheroid):  # a bowl upside down is as round, and half as high
+        return "ball" if upright else "object"
     if fit is not None and fit.half > PLATE * fit.radius:  # a flatter one is a book as likely as a disc
         return "can"
     sides = seen.box.upper - seen.box.lower

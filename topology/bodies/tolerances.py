@@ -30,8 +30,15 @@ PLACES = 400
 PLATE = 0.3
 """Height, as a share of its width, below which a hollow body is called a plate, and a round one no can."""
 
-BOXY = 0.05
-"""Distance of points from their box, as a share of its length, below which a body is called a box."""
+BOXY = 0.035
+"""Distance of points from their box, as a share of its length, below which a body is called a box: half of
+those above, in real frames, were round."""
+
+BOWL = 0.2
+"""Share of its hull that is a bowl's mouth: 0.22 to 0.27 in real frames; a box behind others had 0.15."""
+
+UPRIGHT = 0.75
+"""Height, as a share of its width, of cups and balls: bowls upside down have half."""
 
 KEPT_BODIES = 100
 """Bodies of which what was worked out is kept, some 0.3 MB each: ten scenes of ten things."""

@@ -155,6 +155,9 @@ def test_negative_numbers_with_exponents_are_numbers(stack: Path, capsys: pytest
 
 def test_order_says_every_step_with_its_reason(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["order", str(stack)]) == 0
+    brief = capsys.readouterr().out
+    assert "Weakest contacts: " in brief and "What carries what" not in brief
+    assert main(["order", str(stack), "--explain"]) == 0
     out = capsys.readouterr().out
     lines = [line.split() for line in out.splitlines()]
     steps = [line[1] for line in lines if line[:1] and line[0] in ("1", "2", "3")]

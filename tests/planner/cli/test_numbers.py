@@ -35,7 +35,7 @@ def test_the_table_of_supports_shows_the_kind_of_each_pair(capsys: pytest.Captur
         "inferred": True,
     }
     document = {"order": ["lemon"], "targets": [], "risk": {}, "dependencies": [], "explanation": []}
-    print_order("scene", {**document, "groups": [], "supports": [carried]})
+    print_order("scene", {**document, "groups": [], "supports": [carried]}, explain=True)
     lines = capsys.readouterr().out.splitlines()
     assert "What carries what:" in lines
     row = next(line for line in lines if "bowl" in line)

@@ -98,7 +98,7 @@ def test_what_was_given_up_is_not_tried_and_the_reason_is_in_the_certificate() -
 def test_what_is_to_go_onto_another_thing_is_placed_there() -> None:
     step = chooser(APART, "red on blue").choose()
     assert taken(step) == ("red", Action.PLACE)
-    assert step is not None and step.reason == "it shall be on blue"
+    assert step is not None and step.reason == "it goes on blue"
     moved = step.transfer.placement.pose_before_to_after @ np.append(APART.clouds["red"].mean(axis=0), 1.0)
     assert moved[:2] == pytest.approx(APART.clouds["blue"].mean(axis=0)[:2], abs=0.015)
     assert moved[2] == pytest.approx(1.5 * SIDE, abs=0.01)

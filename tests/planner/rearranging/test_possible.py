@@ -47,5 +47,5 @@ def test_many_reasons_are_told_in_short() -> None:
 
     found = rearrange(tower(names), tower(names[::-1]))
     assert len(found.moves) == 16 and found.optimal
-    assert "and 5 others shall be" in found.explanation[0]
+    assert "and 5 others go" in found.explanation[0]
     assert all(len(line) < 200 for line in found.explanation)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from topple.planner.report.names import spoken, spoken_names
-from topple.planner.report.palette import colour_word
+from topple.planner.decide.names import colour_word, spoken, spoken_names
 from topple.planner.report.show import show_page
 
 
@@ -30,6 +29,7 @@ def test_a_number_gets_colour_and_kind_and_stays_beside_them(photographed):
     assert names["1"].endswith(" box (1)") and names["9"] == "support (9)"
     page = show_page(scene, photographed[1], order)
     assert names["1"] in page and names["2"] in page
+    assert names["1"] in str(order) and names["2"] in str(order)
     assert order.to_json()["order"] == sorted(order.order, key=order.order.index)
     assert not {*order.order} & {*names.values()}  # JSON keeps what the mask says
 

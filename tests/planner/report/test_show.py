@@ -10,12 +10,12 @@ import pytest
 from PIL import Image
 from scipy.spatial import KDTree
 
+from topple.planner.decide.names import spoken_names
 from topple.planner.decide.words import order_in_words
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.figure import PAPER, RISE, SIZE, order_gif, show_picture
 from topple.planner.report.graph import graph_file
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.names import spoken_names
 from topple.planner.report.palette import RELATION_COLOURS, css, object_colours
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import show_page

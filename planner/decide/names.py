@@ -1,5 +1,6 @@
 """Names for numbers: what a mask's label alone names is called by colour and kind, as "yellow box (7)"."""
 
+import colorsys
 import re
 from collections.abc import Mapping
 from dataclasses import is_dataclass
@@ -8,9 +9,6 @@ from typing import Any, TypeVar, cast
 import msgspec
 import numpy as np
 
-from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import Colour, colour_word
-from topple.robots.arm.arm import Arm
 from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.complete import kind_of
 from topple.topology.bodies.surfaces import surfaces_of
@@ -18,6 +16,22 @@ from topple.topology.scene.scene import Scene
 from topple.topology.views.image import DepthImage, Photo
 
 Value = TypeVar("Value")
+Colour = tuple[int, int, int]  # red, green, blue, 0..255
+
+EXPOSED = 150.0  # mean over objects of their brightest channel: darker photos are lightened
+_GREY = 0.2  # share of its brightest channel by which the channels of a grey differ at most
+_BLACK, _WHITE = 0.25, 0.6  # lightness of what is called black at most, and white at least
+HUES = {
+    "red": 0.0,
+    "orange": 0.08,
+    "yellow": 0.15,
+    "green": 0.36,
+    "teal": 0.49,
+    "blue": 0.61,
+    "purple": 0.77,
+    "pink": 0.92,
+}
+"""Turns of the hue that a word in a name stands for: a cube called green is drawn green."""
 
 _BEFORE = (
     "above|after|and|before|beside|blocks|by|carries|empty|free|holds?|inside|move|on|or|remove|since|taking|to|"
@@ -32,7 +46,7 @@ _NAMED = re.compile(rf"(^|[:;,.] |['(]|\b(?:{_BEFORE}) )(\d+)(?=$|[,:;')]| \(|\.
 
 def spoken(scene: Scene, value: Value) -> Value:
     """Say in a scene, document, plan or run how people call the objects that a label's number names."""
-    return cast("Value", _renamed(value, spoken_names(scene)))
+    return cast("Value", renamed(value, spoken_names(scene)))
 
 
 def spoken_names(scene: Scene) -> dict[str, str]:
@@ -50,29 +64,39 @@ def spoken_names(scene: Scene) -> dict[str, str]:
     return names
 
 
-def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    """A value with other names in it, in sentences too."""
-    if not names or isinstance(value, Arm):
+def renamed(value: Any, names: Mapping[str, str]) -> Any:
+    """Put other names into a value, in its sentences too."""
+    if not names or type(value).__module__.startswith("topple.robots"):  # whose parts have names of their own
         return value
     if type(value) is str:
         return names.get(value) or _NAMED.sub(lambda m: m[1] + names.get(m[2], m[2]), value)
     if isinstance(value, Mapping):
         pairs = cast("Mapping[Any, Any]", value).items()
-        return FrozenDict({_renamed(key, names): _renamed(each, names) for key, each in pairs})
+        return FrozenDict({renamed(key, names): renamed(each, names) for key, each in pairs})
     if isinstance(value, (tuple, list, frozenset)):
         made: Any = getattr(type(value), "_make", type(value))
-        return made([_renamed(each, names) for each in cast("tuple[Any, ...]", value)])
+        return made([renamed(each, names) for each in cast("tuple[Any, ...]", value)])
     if isinstance(value, msgspec.Struct):
-        kept = {key: _renamed(getattr(value, key), names) for key in value.__struct_fields__}
+        kept = {key: renamed(getattr(value, key), names) for key in value.__struct_fields__}
         return msgspec.structs.replace(value, **kept)
     if not is_dataclass(value):
         return value
     changed: Any = object.__new__(type(value))
-    changed.__dict__.update({key: _renamed(each, names) for key, each in vars(value).items()})
+    changed.__dict__.update({key: renamed(each, names) for key, each in vars(value).items()})
     if isinstance(value, DepthImage):
         labels = {int(number): name for number, name in names.items()}
         changed.__dict__["names"] = FrozenDict(labels | dict(changed.names))
     return changed
+
+
+def colour_word(colour: Colour) -> str:
+    """Say in a word which colour something has: the name of a hue, or black, grey, white or brown."""
+    hue, light, _ = colorsys.rgb_to_hls(*np.divide(colour, 255).tolist())
+    if max(colour) - min(colour) < _GREY * max(colour) or max(colour) < 255 * _BLACK:
+        return "black" if light < _BLACK else "white" if light > _WHITE else "grey"
+    word = min(HUES, key=lambda name: abs((hue - HUES[name] + 0.5) % 1.0 - 0.5))
+    pale = max(colour) - min(colour) < 2 * _GREY * max(colour) and light < 0.5
+    return "brown" if word in ("red", "orange") and pale else word
 
 
 def photo_of(scene: Scene) -> Photo | None:
@@ -94,7 +118,7 @@ def paints_of(shown: Photo | None) -> dict[str, Colour]:
     means = np.stack(sums, axis=1) / counts[:, None]
     named = [place for place, number in enumerate(numbers.tolist()) if number in shown.names]
     bright = np.maximum(means.max(axis=1), 1.0)
-    gain = np.clip(LIMITS.exposed / max(float(np.mean(bright[named])), 1.0), 1.0, 2.0) if named else 1.0
-    gains = np.maximum(gain, np.minimum(LIMITS.exposed / 2 / bright, 2.0))  # in the shade of a shelf, too
+    gain = np.clip(EXPOSED / max(float(np.mean(bright[named])), 1.0), 1.0, 2.0) if named else 1.0
+    gains = np.maximum(gain, np.minimum(EXPOSED / 2 / bright, 2.0))  # in the shade of a shelf, too
     rounded = np.minimum(gains[:, None] * means, 255.0).round().astype(int).tolist()
     return {shown.names[int(numbers[at])]: (rounded[at][0], rounded[at][1], rounded[at][2]) for at in named}
