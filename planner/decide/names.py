@@ -2,8 +2,9 @@
 
 import colorsys
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
+from functools import cached_property
 from typing import Any, TypeVar, cast
 
 import msgspec
@@ -49,12 +50,36 @@ def spoken(scene: Scene, value: Value) -> Value:
     return cast("Value", renamed(value, spoken_names(scene)))
 
 
+class SpokenNames(Mapping[str, str]):
+    """The names of a scene by number, told once somebody asks: orders of many scenes are never printed."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Keep the scene to ask."""
+        self._scene = scene
+
+    @cached_property
+    def _names(self) -> dict[str, str]:
+        return spoken_names(self._scene)
+
+    def __getitem__(self, number: str) -> str:
+        return self._names[number]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __reduce__(self) -> tuple[type, tuple[dict[str, str]]]:
+        return FrozenDict, (self._names,)
+
+
 def spoken_names(scene: Scene) -> dict[str, str]:
     """Number of an object's label -> colour of its mask, kind of its body, and the number."""
     numbers = [name for name in scene.names if name.isdigit()]
     if not numbers or scene.up is None:
         return {}
-    paints, bodies, names = paints_of(photo_of(scene)), surfaces_of(scene), dict[str, str]()
+    paints, bodies, names = paints_of(photo_of(scene, every=4)), surfaces_of(scene), dict[str, str]()
     for name in numbers:
         cloud = bodies.upright.clouds[name]
         kind = kind_of(cloud, bodies.sight, bodies.upright.floor_under(cloud))
@@ -99,12 +124,13 @@ def colour_word(colour: Colour) -> str:
     return "brown" if word in ("red", "orange") and pale else word
 
 
-def photo_of(scene: Scene) -> Photo | None:
-    """The first colour image that a scene came with."""
+def photo_of(scene: Scene, every: int = 1) -> Photo | None:
+    """The first colour image that a scene came with, of its rows and columns one in so many."""
     for image in scene.images:
         if image.rgb is not None:
-            numbers = [int(number) for number in np.unique(image.label) if number > 0]
-            return Photo(image.rgb, image.label, {number: image.name_of(number) for number in numbers})
+            rgb, label = image.rgb[::every, ::every], image.label[::every, ::every]
+            numbers = [int(number) for number in np.unique(label) if number > 0]
+            return Photo(rgb, label, {number: image.name_of(number) for number in numbers})
     return None
 
 

@@ -20,7 +20,7 @@ from topple.planner.decide.dependency import (
     with_fixture,
     with_measured,
 )
-from topple.planner.decide.names import spoken_names
+from topple.planner.decide.names import SpokenNames
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
@@ -136,7 +136,7 @@ def order(
     risked = beliefs.weighed(chance, edges)
     found = arrange(full.reduced(), wanted, tops, sized.supports, said, risked, removal_risk, apart)
     found = replace(found, verified=verify, chances=FrozenDict(chance), notes=FrozenDict(notes))
-    found = replace(found, called=FrozenDict(spoken_names(scene)))
+    found = replace(found, called=SpokenNames(scene))
     return found if robot is None else _with_access(found, situation, robot)
 
 
