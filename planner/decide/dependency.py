@@ -240,7 +240,7 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
 def with_measured(
     graph: DependencyGraph, measured: Collection[Pair], situation: Situation
 ) -> DependencyGraph:
-    """What had better go first where some lifts were tried: a circle is never made of it.
+    """What has to go first where some lifts were tried: what closes a cycle takes a second hand.
 
     Args:
         graph: The dependencies that were reasoned.
@@ -248,7 +248,7 @@ def with_measured(
         situation: What is seen.
     """
     for first, then in sorted(measured):
-        if {first, then} <= set(graph.names) and then not in graph.before(first):
+        if {first, then} <= set(graph.names):
             edge = Dependency(first, then, Reason.MEASURED, 1.0, situation.chain(first, then))
             graph = DependencyGraph.of(graph.names, (*graph.dependencies, edge))
     return graph

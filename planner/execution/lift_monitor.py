@@ -8,8 +8,6 @@ import numpy as np
 from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.decide.arrange import Order
-from topple.planner.decide.dependency import DependencyGraph, Reason
 from topple.planner.execution.tolerances import HINT, TILE
 from topple.planner.tolerances import DISTURBED
 from topple.planner.transfer.transfer import Transfer
@@ -153,14 +151,12 @@ class _View:
         return pixels, np.append(values, 0.0)[middle]
 
 
-def neighbours_to_watch(situation: Situation, order: Order, name: str) -> set[str]:
-    """What may move as an object of an order is lifted, and could go before it: what its box is near to."""
+def neighbours_to_watch(situation: Situation, name: str) -> set[str]:
+    """What may move as an object is lifted: what its box is near to."""
     boxes = {other: np.stack([cloud.min(0), cloud.max(0)]) for other, cloud in situation.surfaces.items()}
     low, high = boxes[name] + [[-FARTHEST], [FARTHEST]]
     near = {other for other, box in boxes.items() if (box[0] < high).all() and (box[1] > low).all()}
-    reasoned = [edge for edge in order.graph.dependencies if edge.reason is not Reason.MEASURED]
-    graph = DependencyGraph(order.graph.names, tuple(reasoned))
-    return {other for other in near.intersection(graph.names) - {name} if name not in graph.before(other)}
+    return near.intersection(situation.movable) - {name}
 
 
 def shadow(image: DepthImage, parts: Sequence[FloatArray]) -> BoolArray:

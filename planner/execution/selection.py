@@ -97,23 +97,10 @@ class StepSelector:
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
 
-        What a watched lift moved goes first where that can be; where it cannot, that lift is tried again.
-
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
-        try:
-            return self._chooser(look, goal).choose()
-        except NoSafePlan:
-            if not self._memory.beliefs.measured:
-                raise
-        context = self._context(self._memory)
-        context = replace(context, beliefs=replace(self._memory.beliefs, measured=frozenset()))
-        return self.task.chooser(look.situation, goal, context).choose()
-
-    def moved_with(self, name: str) -> set[str]:
-        """What a lift of an object was seen to move, both being as they were."""
-        return {first for first, then in self._memory.beliefs.measured if then == name}
+        return self._chooser(look, goal).choose()
 
     def next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
         """The step that was decided with a hold or prepared, where that can be done; else one chosen now.

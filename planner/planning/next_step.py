@@ -145,8 +145,8 @@ class StepChooser:
         return None
 
     def _alone(self, chosen: Order) -> list[str]:
-        """What may go now; with a second arm nothing from where that has to hold something on."""
-        begins = {hold.since for hold in chosen.holds} if self.context.second is not None else set[str]()
+        """What may go now: nothing from where a second hand has to hold something on."""
+        begins = {hold.since for hold in chosen.holds if not hold.fixture}
         return list(takewhile(lambda name: name not in begins, may_go(chosen)))
 
     def _make_room(self, failures: Sequence[TransferFailure]) -> NextStep | None:
