@@ -38,7 +38,7 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-LATER = frozenset({"robot", "engine", "ahead", "waited", "alone", "turned", "friction"})
+LATER = frozenset({"robot", "engine", "ahead", "waited", "hands", "turned", "friction"})
 """Keys that journals of before do not have: all their episodes are of the scene's own arms on PyBullet, which
 wait for each step to be chosen."""
 
@@ -77,7 +77,7 @@ class Episode:
         robot: The arm; empty for the one that the scene is made for.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`; scenes settle on PyBullet.
         ahead: Whether the next step is chosen while the arm acts.
-        alone: Whether there is one arm, also where the scene is made for two.
+        hands: How many arms there are; 0 for as many as the scene is made for.
         turned: Degrees from 0 by which everything is turned about the vertical, once it has settled.
         friction: What the coefficient of friction of each thing that moves is multiplied by then.
     """
@@ -94,7 +94,7 @@ class Episode:
     robot: str = ""
     engine: str = BULLET
     ahead: bool = False
-    alone: bool = False
+    hands: int = 0
     turned: float = 0.0
     friction: float = 1.0
 
@@ -248,7 +248,7 @@ def _played(episode: Episode, begun: float) -> Ending:
         loop = loop_in(
             stage, robot=episode.robot or None, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
             mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
-            wrist_camera=episode.wrist_camera, ahead=episode.ahead, alone=episode.alone,
+            wrist_camera=episode.wrist_camera, ahead=episode.ahead, hands=episode.hands or None,
         )  # fmt: skip
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)

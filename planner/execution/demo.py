@@ -14,6 +14,7 @@ from topple.planner.execution.look import Look, Observer, Relate
 from topple.planner.execution.loop import ClosedLoop
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.holding import check_hands
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import plan_to_json
@@ -43,6 +44,7 @@ def demo(
     *,
     seed: int | None = None,
     robot: str | None = None,
+    hands: int | None = None,
     cameras: int = CAMERAS,
     mask_noise: float = 0.0,
     wrist_camera: bool = False,
@@ -62,6 +64,7 @@ def demo(
         seed: Of the scene, the sensor noise and every search; where None, one that is known to succeed, see
             `topple.planner.execution.demo_seeds`.
         robot: The arm; the one the scene is made for where None.
+        hands: How many such arms there are, 1 or 2; as many as the scene is made for where None.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
@@ -87,14 +90,13 @@ def demo(
         check_writable(place / file)
     with scenario_called(name, seed, engine) as stage:
         fixture = frozenset(clamped)
-        two = stage.pose_second_to_world is not None and not fixture
         robot = robot or stage.robot
         loop = loop_in(
-            stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
-            ahead=ahead, clamped=fixture, photos=True, orderer=orderer, relate=relate, seed=seed,
+            stage, robot=robot, hands=hands, cameras=cameras, mask_noise=mask_noise,
+            wrist_camera=wrist_camera, ahead=ahead, clamped=fixture, photos=True, orderer=orderer, relate=relate, seed=seed,
             progress=progress,
         )  # fmt: skip
-        acting, first = loop.robot, loop.look()
+        acting, first, two = loop.robot, loop.look(), loop.second is not None
         assert isinstance(acting, ActingArm)
         # the plan of the whole sequence is made on the other core while the arm already works
         with get_context("spawn").Pool(1, serve) as other:  # leaving it ends what still plans
@@ -143,6 +145,7 @@ def loop_in(
     stage: Scenario,
     *,
     robot: str | None = None,
+    hands: int | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
@@ -152,7 +155,6 @@ def loop_in(
     photos: bool = False,
     orderer: Orderer = cautious,
     relate: Relate | None = None,
-    alone: bool = False,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> ClosedLoop:
@@ -161,6 +163,7 @@ def loop_in(
     Args:
         stage: The scene.
         robot: The arm; the one the scene is made for where None.
+        hands: How many such arms there are, 1 or 2; as many as the scene is made for where None.
         cameras: How many depth cameras look on.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
@@ -170,7 +173,6 @@ def loop_in(
         photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
         relate: What relates what is seen, a function of the scene; topple's own rule where None.
-        alone: Whether there is one arm, also where the scene is made for two.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -178,11 +180,11 @@ def loop_in(
         The loop, to be run.
 
     Raises:
-        InvalidInput: The scene takes two arms, and such a one cannot hold, or has a camera at its wrist.
+        InvalidInput: There are two arms, and such a one cannot hold, or has a camera at its wrist, or plays
+            on an engine that simulates one; or there are neither one nor two.
     """
     eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
-    arm, one = robot_named(robot or stage.robot), alone or bool(clamped)
-    there = None if one else stage.pose_second_to_world
+    arm, two = robot_named(robot or stage.robot), check_hands(hands or stage.hands) and not clamped
     first = arm_in(stage.world, arm, stage.pose_base_to_world)
     return ClosedLoop.simulated(
         stage.world,
@@ -200,7 +202,7 @@ def loop_in(
         ahead=ahead,
         photos=photos,
         wanted=None if stage.finished is None else stage.finished.poses(),
-        second=None if there is None else arm_in(stage.world, arm, there, first),
+        second=arm_in(stage.world, arm, stage.pose_second_to_world, first) if two else None,
         fixture=fixture_in(stage.world, clamped),
     )
 

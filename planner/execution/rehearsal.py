@@ -60,6 +60,22 @@ class Rehearsal:
     def __exit__(self, *_: object) -> None:
         self.world.close()
 
+    def second_base(self, scene: Scene, arm: Arm, base: FloatArray | None) -> FloatArray:
+        """(4, 4) where a second such arm stands.
+
+        Args:
+            scene: The scene that was rebuilt.
+            arm: The arm.
+            base: (4, 4) pose_base_to_scene of it; searched for, as the first one's is, where None.
+
+        Raises:
+            NoBase: There is no such place.
+        """
+        to_world = self.pose_scene_to_world
+        if base is not None:
+            return to_world @ as_pose(base, "second_base")
+        return choose_base(in_frame(scene, to_world, Z), arm, beside=self.pose_base_to_world)
+
     def notes(self) -> tuple[str, ...]:
         """What a reader of the run should know: where the base stands and what sagged, in sentences."""
         x, y, z = (inverse(self.pose_scene_to_world) @ self.pose_base_to_world)[:3, 3]

@@ -12,6 +12,7 @@ from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.holding import check_hands
 from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
 from topple.robots.arm.arm import Arm
@@ -23,7 +24,6 @@ from topple.robots.world.film import filmed
 from topple.robots.world.lerobot import demonstrated
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
-from topple.topology.base.checks import as_pose
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -36,6 +36,7 @@ def run(
     robot: Arm | str = "panda",
     *,
     base: FloatArray | None = None,
+    hands: int = 1,
     second_base: FloatArray | None = None,
     clamped: Collection[str] | str = (),
     away: str | Sequence[str | float] | Destination = Away.TABLE,
@@ -61,7 +62,8 @@ def run(
         goal: In words, names of objects to free, or any other task, in the frame of the scene.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
-        second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
+        hands: How many such arms there are, 1 or 2: the second one holds what would not stand.
+        second_base: (4, 4) pose_base_to_scene of the second one; searched for where None.
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand has closed on
             them.
         away: Where things go that are taken, as for `topple.planner.plan`.
@@ -99,10 +101,11 @@ def run(
     scene = check_masks(scene, task.goal(scene).names)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
     fixture = check_clamped(scene, clamped)
+    two = check_hands(hands) or second_base is not None
     with playing_on(engine), Rehearsal.of(scene, arm, base, fixture) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         to_world = stage.pose_scene_to_world
-        there = None if second_base is None else to_world @ as_pose(second_base, "second_base")
+        there = stage.second_base(scene, arm, second_base) if two else None
         receiver = Destination.of(away).at(Situation(scene), inverse(to_world) @ stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
             stage.world,

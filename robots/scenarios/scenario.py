@@ -9,7 +9,16 @@ from scipy.spatial.transform import Rotation
 
 from topple.robots.engines import new_world
 from topple.robots.poses import angle_between
-from topple.robots.scenarios.tolerances import ATTEMPTS, CREEP, OVERLAP, REACHED, SLID, TURN, WATCHED
+from topple.robots.scenarios.tolerances import (
+    ATTEMPTS,
+    CREEP,
+    OVERLAP,
+    REACHED,
+    SECOND_ARM,
+    SLID,
+    TURN,
+    WATCHED,
+)
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
@@ -45,7 +54,7 @@ class Scenario:
         pose_base_to_world: (4, 4) where that robot stands.
         up: (3,) against gravity.
         finished: Where the task is to copy an arrangement, a world in which the same bodies lie so.
-        pose_second_to_world: (4, 4) where a second robot of the same kind stands; None where one can do it.
+        hands: How many such robots it is made for.
     """
 
     name: str
@@ -59,7 +68,12 @@ class Scenario:
     pose_base_to_world: FloatArray
     up: FloatArray
     finished: PhysicalWorld | None = None
-    pose_second_to_world: FloatArray | None = None
+    hands: int = 1
+
+    @property
+    def pose_second_to_world(self) -> FloatArray:
+        """(4, 4) where a second robot of the same kind stands."""
+        return pose_at(0.0, 0.0, 0.0, Rotation.from_euler("z", SECOND_ARM)) @ self.pose_base_to_world
 
     def __enter__(self) -> "Scenario":
         return self
