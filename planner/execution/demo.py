@@ -93,8 +93,8 @@ def demo(
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, hands=hands, cameras=cameras, mask_noise=mask_noise,
-            wrist_camera=wrist_camera, ahead=ahead, clamped=fixture, photos=True, orderer=orderer, relate=relate, seed=seed,
-            progress=progress,
+            wrist_camera=wrist_camera, ahead=ahead, clamped=fixture, photos=True, orderer=orderer,
+            relate=relate, seed=seed, progress=progress,
         )  # fmt: skip
         acting, first, two = loop.robot, loop.look(), loop.second is not None
         assert isinstance(acting, ActingArm)
