@@ -53,7 +53,8 @@ def execute(args: argparse.Namespace) -> int:
         record = demo(
             args.name, seed=args.seed, robot=args.robot, hands=args.hands, cameras=args.cameras,
             mask_noise=args.mask_noise, wrist_camera=args.wrist_camera, ahead=args.ahead,
-            clamped=args.clamped, engine=args.engine, folder=folder, video=video, orderer=orderer, relate=relating, progress=progress,
+            clamped=args.clamped, engine=args.engine, folder=folder, video=video, orderer=orderer,
+            relate=relating, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:
