@@ -8,6 +8,7 @@ import numpy as np
 from topple.planner.failure import FailureLog, TransferFailure
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.shape import shapes_of
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
@@ -60,10 +61,10 @@ class Grips:
         limits: TransferLimits = TRANSFER_LIMITS,
     ) -> None:
         self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
+        closing = [each for each in shapes_of(handling.arm).values() if each.tool.gripper.limits.opening]
         # what leans is held, and is not square
-        found = grasp_candidates(handling.name, handling.situation, handling.arm, wide=True)
-        closing = {name for name, tool in handling.arm.tools.items() if tool.gripper.limits.opening}
-        grasps = [each for each in found if each.tool in closing and not any(map(each.near, avoid))]
+        found = grasp_candidates(handling.name, handling.situation, tools=closing, wide=True)
+        grasps = [each for each in found if not any(map(each.near, avoid))]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
         self.states = handling.reached(hands, False, log)
 
