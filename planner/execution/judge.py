@@ -14,6 +14,7 @@ from topple.planner.placement.away import BODIES, IN_HAND, Away
 from topple.planner.stability.state import State
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.planner.transfer.transfer import Transfer
+from topple.robots.arm.tolerances import GRAVITY
 from topple.robots.poses import angle_between
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.touch import Touch
@@ -123,6 +124,7 @@ class Judge:
         return Verdict(
             tuple(wrong),
             displacements(before, now, handled),
+            {name: self._fall(name, before[name], now[name]) for name in self._beyond(before, now)},
             tilts(before, now, handled),
             {other: touch.force for other, touch in touched.items()},
             {other: touch.impulse for other, touch in touched.items()},
@@ -130,6 +132,18 @@ class Judge:
             dropped,
             self._world.time - self._started,
         )
+
+    def _beyond(self, before: Mapping[str, FloatArray], now: Mapping[str, FloatArray]) -> list[str]:
+        """What moved or turned by more than counts."""
+        moves, limits = displacements(before, now, self._handled), self._limits
+        return [name for name, (way, turn) in moves.items() if way > limits.distance or turn > limits.angle]
+
+    def _fall(self, name: str, before: FloatArray, now: FloatArray) -> tuple[float, float]:
+        """How far the middle of a body fell between two poses (4, 4) [m], and its energy by that [J]."""
+        body = self._world.body(name)
+        middle = np.append(body.centre_of_mass, 1.0)
+        drop = max(0.0, float(((before - now) @ middle)[:3] @ self._up))
+        return drop, body.mass * GRAVITY * drop
 
     def _touched(self) -> dict[str, Touch]:
         """What an arm touched that it was not to handle, by name."""

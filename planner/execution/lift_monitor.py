@@ -151,12 +151,13 @@ class _View:
         return pixels, np.append(values, 0.0)[middle]
 
 
-def neighbours_to_watch(situation: Situation, name: str) -> set[str]:
-    """What may move as an object is lifted: what its box is near to."""
+def neighbours_to_watch(situation: Situation, transfer: Transfer, grip: Transfer | None) -> set[str]:
+    """What may move as an object is lifted: what its box is near to and no hand holds."""
+    name, held = transfer.object, () if grip is None else (grip.object,)
     boxes = {other: np.stack([cloud.min(0), cloud.max(0)]) for other, cloud in situation.surfaces.items()}
     low, high = boxes[name] + [[-FARTHEST], [FARTHEST]]
     near = {other for other, box in boxes.items() if (box[0] < high).all() and (box[1] > low).all()}
-    return near.intersection(situation.movable) - {name}
+    return near.intersection(situation.movable).difference((name,), transfer.riding, held)
 
 
 def shadow(image: DepthImage, parts: Sequence[FloatArray]) -> BoolArray:

@@ -328,6 +328,7 @@ class ClosedLoop:
             success=outcome.success,
             attempts=attempts,
             disturbed=verdict.disturbed,
+            severity=verdict.severity,
             relations_as_predicted=not different,
             seconds=time.perf_counter() - started,
             reason=f"{chosen.reason}; {outcome.text}",
@@ -365,8 +366,7 @@ class ClosedLoop:
     def _carried_out(self, look: Look, chosen: NextStep) -> tuple[Outcome, Scene]:
         """Does a step and brings the arms out of the way; gives also the scene as it should be then."""
         name, grip = chosen.transfer.object, chosen.grip or self._arms.grip
-        held = () if grip is None else (grip.object,)
-        named = neighbours_to_watch(look.situation, name) - {*chosen.transfer.riding, *held}
+        named = neighbours_to_watch(look.situation, chosen.transfer, grip)
         monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
         outcome = self._arms.carry_out(chosen, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation

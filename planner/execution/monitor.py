@@ -15,6 +15,7 @@ class Verdict:
     Attributes:
         violations: One sentence for each thing that was moved, turned, dropped or hit.
         disturbed: Distance [m] and angle [rad] by which everything else moved, by name.
+        severity: How far the middle of what moved by more than counts fell [m], and with which energy [J].
         tilts: How far the others were tipped [rad], by name.
         forces: Largest contact force of the robot on an object not handled [N], by name.
         impulses: What that contact amounted to over time [N s], by name.
@@ -25,6 +26,7 @@ class Verdict:
 
     violations: tuple[str, ...] = ()
     disturbed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    severity: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     tilts: Mapping[str, float] = field(default_factory=dict[str, float])
     forces: Mapping[str, float] = field(default_factory=dict[str, float])
     impulses: Mapping[str, float] = field(default_factory=dict[str, float])

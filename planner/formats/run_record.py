@@ -30,6 +30,7 @@ class StepRecord(ByValue):
         success: The action did what it was meant to.
         attempts: Tries it took, 1 where the first one worked.
         disturbed: What else moved: name -> (distance [m], turn [rad]), objects not handled only.
+        severity: How far the middle of what moved by more than counts fell [m], and with which energy [J].
         relations_as_predicted: The relations seen afterwards are those the plan predicted.
         seconds: Wall-clock time of the step, planning and looking included.
         waited: Wall-clock time from when the pictures were there that the step was chosen from until the arm
@@ -63,6 +64,7 @@ class StepRecord(ByValue):
     success: bool
     attempts: int = 1
     disturbed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    severity: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     relations_as_predicted: bool = True
     seconds: float = 0.0
     reason: str = ""
@@ -96,6 +98,10 @@ class StepRecord(ByValue):
             "attempts": self.attempts,
             "disturbed": {
                 name: [float(moved), float(turned)] for name, (moved, turned) in self.disturbed.items()
+            },
+            "severity": {
+                name: {"drop": float(drop), "energy": float(energy)}
+                for name, (drop, energy) in self.severity.items()
             },
             "relations_as_predicted": self.relations_as_predicted,
             "seconds": round(self.seconds, 3),

@@ -10,6 +10,7 @@ from itertools import takewhile
 
 import numpy as np
 
+from topple.planner.building.apart import turned_round
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_go, why_first
@@ -135,13 +136,15 @@ class StepChooser:
         if self.context.second is None or not chosen.holds:
             return None
         hold = min(chosen.holds, key=lambda each: chosen.order.index(each.since))
-        held = HoldPlanner(
-            hold, chosen, self.situation, self.context, self._remaining,
-            lambda name: action if name in targets else Action.REMOVE,
-        ).steps()  # fmt: skip
-        if isinstance(held, NextStep):
-            return replace(held, fallbacks=(Fallback.ANOTHER_FIRST,)) if failures else held
-        failures.append(held)
+        for order in filter(None, (chosen, turned_round(chosen, hold, self.situation))):
+            held = HoldPlanner(
+                hold if order is chosen else order.holds[0],
+                order, self.situation, self.context, self._remaining,
+                lambda name: action if name in targets else Action.REMOVE,
+            ).steps()  # fmt: skip
+            if isinstance(held, NextStep):
+                return replace(held, fallbacks=(Fallback.ANOTHER_FIRST,)) if failures else held
+            failures.append(held)
         return None
 
     def _alone(self, chosen: Order) -> list[str]:

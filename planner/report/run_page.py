@@ -179,6 +179,10 @@ def _moved(far: float, turn: float, between: str) -> str:
     return f"{millimetres(far)}{between}{math.degrees(turn):.1f}°"
 
 
+def _fell(drop: float, energy: float) -> str:
+    return f"{millimetres(drop)}, {energy:.2f} J"
+
+
 def _disturbed(step: StepRecord) -> str:
     """What moved or was hit and was not meant to, farthest first."""
     if not (names := _disturbed_by(step)):
@@ -187,10 +191,11 @@ def _disturbed(step: StepRecord) -> str:
     rows = "".join(
         f'<tr class="bad"><td>{escape(name)}</td><td class=number>'
         f"{_moved(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
-        f"<td class=number>{f'{step.forces[name]:.1f} N' if name in step.forces else ''}</td></tr>"
+        f"<td class=number>{f'{step.forces[name]:.1f} N' if name in step.forces else ''}</td>"
+        f"<td class=number>{_fell(*step.severity[name]) if name in step.severity else ''}</td></tr>"
         for name in names
     )
-    measured = ("moved", "turned", "force")
+    measured = ("moved", "turned", "force", "fell by, with")
     return "<h2>Disturbed</h2>" + table(("object", *measured), rows, numbers=measured)
 
 
