@@ -242,16 +242,21 @@ def with_measured(
 ) -> DependencyGraph:
     """What has to go first where some lifts were tried: what closes a cycle takes a second hand.
 
+    Of several things that one lift moved it is those next to it, if any: the others moved by way of them.
+
     Args:
         graph: The dependencies that were reasoned.
         measured: (first, then) where lifting `then` moved `first`.
         situation: What is seen.
     """
-    for first, then in sorted(measured):
-        if {first, then} <= set(graph.names):
-            edge = Dependency(first, then, Reason.MEASURED, 1.0, situation.chain(first, then))
-            graph = DependencyGraph.of(graph.names, (*graph.dependencies, edge))
-    return graph
+    chains = {pair: situation.chain(*pair) for pair in sorted(measured) if {*pair} <= {*graph.names}}
+    next_to = {then for (_, then), chain in chains.items() if len(chain) <= 1}
+    edges = [
+        Dependency(first, then, Reason.MEASURED, 1.0, chain)
+        for (first, then), chain in chains.items()
+        if len(chain) <= 1 or then not in next_to
+    ]
+    return DependencyGraph.of(graph.names, (*graph.dependencies, *edges))
 
 
 def counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:
