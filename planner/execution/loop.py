@@ -368,7 +368,7 @@ class ClosedLoop:
         name, grip = chosen.transfer.object, chosen.grip or self._arms.grip
         named = neighbours_to_watch(look.situation, chosen.transfer, grip)
         monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
-        outcome = self._arms.carry_out(chosen, self.judge.moment, monitor)
+        outcome = self._arms.carry_out(chosen, look.situation, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
         how = chosen.transfer.placement.how
         if outcome.success and how in (*IN_HAND, Away.BIN):
