@@ -37,26 +37,34 @@ class LiftMonitor:
         images: Of the look before.
         situation: What was seen in them.
         named: Names of what is watched.
+        hint: How far [m] these may move.
     """
 
     stream: CameraStream
     images: Sequence[DepthImage]
     situation: Situation
     named: Collection[str]
+    hint: float = HINT
 
     @classmethod
     def of(
-        cls, stream: object, images: Sequence[DepthImage], situation: Situation, named: Collection[str]
+        cls,
+        stream: object,
+        images: Sequence[DepthImage],
+        situation: Situation,
+        named: Collection[str],
+        hint: float,
     ) -> "LiftMonitor | None":
         """The same, or None where nothing is to be watched or no stream of pictures is there."""
-        return cls(stream, images, situation, named) if named and isinstance(stream, CameraStream) else None
+        watched = named and isinstance(stream, CameraStream)
+        return cls(stream, images, situation, named, hint) if watched else None
 
     def detector(self, transfer: Transfer, robot: Driver, path: FloatArray) -> "ChangeDetector":
         """What detects changes of what stays while an arm with an object goes along a path (k, n)."""
         carried = (transfer.object, *transfer.riding)
         load = [part for name in carried for part in self.situation.solids.get(name, ())]
         moving = swept_parts(robot, path, transfer.grasp.tool, load)
-        return ChangeDetector(self.images, self.stream, moving, self.named)
+        return ChangeDetector(self.images, self.stream, moving, self.named, self.hint)
 
 
 class ChangeDetector:
@@ -71,6 +79,7 @@ class ChangeDetector:
         moving: Convex parts (V, 3) of arm and load over all of the motion [m]: pixels before, in or behind
             them are left out.
         named: Names of what is watched.
+        hint: How far [m] these may move.
     """
 
     def __init__(
@@ -79,8 +88,9 @@ class ChangeDetector:
         stream: CameraStream,
         moving: Sequence[FloatArray],
         named: Collection[str],
+        hint: float = HINT,
     ) -> None:
-        self._stream, self._moving = stream, moving
+        self._stream, self._moving, self._hint = stream, moving, hint
         self._masks = {_place(image): image for image in before}
         self._named = frozenset(named)
         self._views: dict[bytes, _View] = {}
@@ -97,7 +107,7 @@ class ChangeDetector:
         """Whether nothing is seen to move; `moved` has what is, with how far its surface is off [m]."""
         for image in self._stream.glimpse():
             if (view := self._views.get(_place(image))) is not None:
-                self.moved = {**self.moved, **view.moved(image.depth)}
+                self.moved = {**self.moved, **view.moved(image.depth, self._hint)}
         return not self.moved
 
 
@@ -129,13 +139,13 @@ class _View:
         whose = found[found >= 0] // ((rows.max() + 1) * (columns.max() + 1))
         return _View(tiles, tuple(seen.names[int(number)] for number in whose), image.depth)
 
-    def moved(self, depth: FloatArray) -> dict[str, float]:
-        """Names of what is off its place in a picture (H, W), by how far [m]."""
+    def moved(self, depth: FloatArray, hint: float) -> dict[str, float]:
+        """Names of what is off its place in a picture (H, W) by more than a hint, by how far [m]."""
         off = np.where((depth > 0) & (self.before > 0), depth - self.before, np.inf)
         pixels, middle = self._per_tile(off, np.abs(off) < 4 * DISTURBED)  # what is further off came between
         self._covered |= np.abs(middle - self._last) > DISTURBED  # and what jumps: nothing moves so fast
         self._last = middle
-        wrong = (pixels >= TILE**2 // 4) & (np.abs(middle) > HINT) & ~self._covered
+        wrong = (pixels >= TILE**2 // 4) & (np.abs(middle) > hint) & ~self._covered
         found: dict[str, float] = {}
         for tile in np.flatnonzero(wrong):
             found[self.names[tile]] = max(found.get(self.names[tile], 0.0), abs(float(middle[tile])))

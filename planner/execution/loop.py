@@ -366,8 +366,8 @@ class ClosedLoop:
     def _carried_out(self, look: Look, chosen: NextStep) -> tuple[Outcome, Scene]:
         """Does a step and brings the arms out of the way; gives also the scene as it should be then."""
         name, grip = chosen.transfer.object, chosen.grip or self._arms.grip
-        named = neighbours_to_watch(look.situation, chosen.transfer, grip)
-        monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
+        named, hint = neighbours_to_watch(look.situation, chosen.transfer, grip), self._selector.hint(name)
+        monitor = LiftMonitor.of(self.perception, look.images, look.situation, named, hint)
         outcome = self._arms.carry_out(chosen, look.situation, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
         how = chosen.transfer.placement.how

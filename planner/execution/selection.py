@@ -12,7 +12,7 @@ from topple.planner.execution.execute import Outcome
 from topple.planner.execution.look import Look
 from topple.planner.execution.memory import Memory
 from topple.planner.execution.prepare import Preparer, Question
-from topple.planner.execution.tolerances import AT_HOME, STUCK
+from topple.planner.execution.tolerances import AT_HOME, CLEAR, HINT, STUCK
 from topple.planner.execution.two_arms import TwoArms
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.motion.collision import Checker
@@ -97,10 +97,26 @@ class StepSelector:
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
 
+        What a watched lift moved goes first, or is held. Where neither can be, a lift that moved something by
+        little is tried again, and watched for twice as much.
+
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
-        return self._chooser(look, goal).choose()
+        beliefs = self._memory.beliefs
+        clear = {pair: off for pair, off in beliefs.measured.items() if off > CLEAR}
+        try:
+            return self._chooser(look, goal).choose()
+        except NoSafePlan:
+            if len(clear) == len(beliefs.measured):
+                raise
+        context = replace(self._context(self._memory), beliefs=replace(beliefs, measured=clear))
+        return self.task.chooser(look.situation, goal, context).choose()
+
+    def hint(self, name: str) -> float:
+        """How far [m] something may move as an object is lifted: twice as far as it was seen to before."""
+        seen = self._memory.beliefs.measured.items()
+        return max([HINT, *(2.0 * off for (_, then), off in seen if then == name)])
 
     def next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
         """The step that was decided with a hold or prepared, where that can be done; else one chosen now.

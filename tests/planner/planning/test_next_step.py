@@ -204,14 +204,14 @@ def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:
 
 
 def test_what_moved_as_a_target_was_lifted_goes_first() -> None:
-    step = chooser(APART, "free red", beliefs=Beliefs(measured=frozenset([("green", "red")]))).choose()
+    step = chooser(APART, "free red", beliefs=Beliefs(measured={("green", "red"): 0.004})).choose()
     assert taken(step) == ("green", Action.REMOVE)
     assert step is not None and step.order.order == ("green", "red")
     assert step.reason == "it has to go before red (moved with it)"
 
 
 def test_what_moved_and_has_to_wait_takes_a_second_hand_and_one_arm_says_so() -> None:
-    against = Beliefs(measured=frozenset([("low", "top")]))
+    against = Beliefs(measured={("low", "top"): 0.004})
     with pytest.raises(NoSafePlan) as refused:
         chooser(STACK, "free low", beliefs=against, orderer=cautious).choose()
     assert refused.value.certificate == (
