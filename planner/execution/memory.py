@@ -43,7 +43,8 @@ class Memory:
             stuck: Whether the hand does not let go, or the object was put back: the grasp did not fail.
         """
         name = chosen.transfer.object
-        tried, attempts = self.tried | {name}, self.attempts + Counter((name,))
+        whose = name if success or chosen.grip is None else chosen.grip.object
+        tried, attempts = self.tried | {name}, self.attempts + Counter((whose,))
         if success:
             if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
                 attempts = Counter[str]()  # what could not be taken may be now that this is out of its way
