@@ -89,8 +89,7 @@ def demo(
     for file in FILES:
         check_writable(place / file)
     with scenario_called(name, seed, engine) as stage:
-        fixture = frozenset(clamped)
-        robot = robot or stage.robot
+        fixture, robot = frozenset(clamped), robot or stage.robot
         loop = loop_in(
             stage, robot=robot, hands=hands, cameras=cameras, mask_noise=mask_noise,
             wrist_camera=wrist_camera, ahead=ahead, clamped=fixture, photos=True, orderer=orderer,
@@ -115,9 +114,8 @@ def demo(
                 record, whole = replace(record, stopped=INTERRUPTED), None
         if whole is None and not two:
             arm, goal = robot_named(robot), loop.task.goal(first.scene)
-            whole = plan_as_done(
-                first.scene, goal, Station(arm, base, arm.home), loop.followed, seed, fixture
-            )
+            station = Station(arm, base, arm.home)
+            whole = plan_as_done(first.scene, goal, station, loop.followed, seed, fixture)
         decided = _decided_by(record, first, stage, orderer, seed)
     texts = (
         _text(first.relations.to_json()),

@@ -12,7 +12,6 @@ from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.holding import check_hands
 from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
 from topple.robots.arm.arm import Arm
@@ -101,11 +100,10 @@ def run(
     scene = check_masks(scene, task.goal(scene).names)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
     fixture = check_clamped(scene, clamped)
-    two = check_hands(hands) or second_base is not None
     with playing_on(engine), Rehearsal.of(scene, arm, base, fixture) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         to_world = stage.pose_scene_to_world
-        there = stage.second_base(scene, arm, second_base) if two else None
+        there = stage.second_base(scene, arm, hands, second_base)
         receiver = Destination.of(away).at(Situation(scene), inverse(to_world) @ stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
             stage.world,
@@ -128,12 +126,10 @@ def run(
             fixture=stage.fixture,
             away=receiver and receiver.moved(to_world),
         )
-        eye = stage.cameras[0]
-        with filmed(video, acting, eye), demonstrated(lerobot, acting, eye) as demonstration:
+        with filmed(video, acting, eye := stage.cameras[0]), demonstrated(lerobot, acting, eye) as shown:
             record = loop.run()
-            if demonstration is not None:
-                demonstration.end(record.goal, record.success)
+            if shown is not None:
+                shown.end(record.goal, record.success)
         kept = (*fixture_assumptions(fixture), *([] if receiver is None else [receiver.assumption()]))
         said = (*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
-        record = replace(record, notes=said)
-    return record
+        return replace(record, notes=said)
