@@ -23,7 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
     parser.add_argument("--list", action="store_true", help="say which scenes there are, and leave")
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
-    add(parser, "--rule", "--hands", "--clamped", *COMMON, *SIMULATION)
+    add(parser, "--hands", help="how many arms there are (as the scene is made for)")
+    add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
     made_for = (
         "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships (the one the scene is made for)"
