@@ -78,6 +78,11 @@ def test_what_creeps_from_action_to_action_counts_and_so_does_what_a_failed_atte
         assert len(found[1]) == 1 and "two has crept by 12 mm" in found[1][0]
 
         judge.begin(Handled("one"))
+        world.place("two", pose_at(0.5, 0.0, -0.2))
+        drop, energy = judge.verdict().severity["two"]
+        assert drop == pytest.approx(0.2) and energy == pytest.approx(0.2 * 9.81 * world.body("two").mass)
+
+        judge.begin(Handled("one"))
         world.place("one", pose_at(0.3, 0.0, 0.1))
         robot.step()
         judge.moment(MISSED, "fingers")

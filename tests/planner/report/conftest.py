@@ -104,6 +104,7 @@ def run_record(panda):
                 motion=carried(name, panda),
                 tool_path=np.linspace([0, 0, 0.4], [0.3, 0, 0.2], 1000),
                 forces={"beside": 1.25},
+                severity={} if number == 0 else {"beside": (0.12, 0.3)},
             )
         )
         scene = after

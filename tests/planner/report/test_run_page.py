@@ -37,6 +37,7 @@ def test_what_moved_too_far_is_marked(run_record):
     page = run_page(run_record)
     assert '<tr class="bad"><td>beside</td><td class=number>20 mm</td><td class=number>17.2°</td>' in page
     assert page.count("<td>beside</td><td class=number>") == 1
+    assert "<td class=number>120 mm, 0.30 J</td></tr>" in page
     assert "<p>Nothing: the others moved by 1.2 mm and 0.6° at most.</p>" in page
 
 
