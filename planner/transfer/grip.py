@@ -61,10 +61,15 @@ class Grips:
         limits: TransferLimits = TRANSFER_LIMITS,
     ) -> None:
         self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
-        closing = [each for each in shapes_of(handling.arm).values() if each.tool.gripper.limits.opening]
-        # what leans is held, and is not square
-        found = grasp_candidates(handling.name, handling.situation, tools=closing, wide=True)
-        grasps = [each for each in found if not any(map(each.near, avoid))]
+        tools = sorted(
+            shapes_of(handling.arm).values(), key=lambda shape: not shape.tool.gripper.limits.opening
+        )
+        grasps = [
+            grasp
+            for shape in tools  # fingers hold what leans and is not square, a cup what is too wide for them
+            for grasp in grasp_candidates(handling.name, handling.situation, tools=[shape], wide=True)
+            if not any(map(grasp.near, avoid))
+        ]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
         self.states = handling.reached(hands, False, log)
 
