@@ -97,20 +97,20 @@ class StepSelector:
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
 
-        What a watched lift moved goes first, or is held. Where neither can be, a lift that moved something by
-        little is tried again, and watched for twice as much.
+        What a watched lift moved goes first, or is held. Where neither can be, one arm tries what reasoning
+        alone is against, and what moved something by little again, watched for twice as much.
 
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
-        beliefs = self._memory.beliefs
+        context, beliefs = self._context(self._memory), self._memory.beliefs
         clear = {pair: off for pair, off in beliefs.measured.items() if off > CLEAR}
         try:
-            return self._chooser(look, goal).choose()
+            return self.task.chooser(look.situation, goal, context).choose()
         except NoSafePlan:
-            if len(clear) == len(beliefs.measured):
+            if context.second is None and len(clear) == len(beliefs.measured):
                 raise
-        context = replace(self._context(self._memory), beliefs=replace(beliefs, measured=clear))
+        context = replace(context, second=None, beliefs=replace(beliefs, measured=clear))
         return self.task.chooser(look.situation, goal, context).choose()
 
     def hint(self, name: str) -> float:

@@ -9,6 +9,7 @@ from topple.planner.failure import FailureLog, TransferFailure
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.shape import shapes_of
+from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
@@ -61,13 +62,14 @@ class Grips:
         limits: TransferLimits = TRANSFER_LIMITS,
     ) -> None:
         self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
+        name, situation, dropped = handling.name, handling.situation, Dropped(log.reasons, log.barring)
         tools = sorted(
             shapes_of(handling.arm).values(), key=lambda shape: not shape.tool.gripper.limits.opening
         )
         grasps = [
             grasp
-            for shape in tools  # fingers hold what leans and is not square, a cup what is too wide for them
-            for grasp in grasp_candidates(handling.name, handling.situation, tools=[shape], wide=True)
+            for tool in tools  # fingers hold what leans and is not square, a cup what is too wide for them
+            for grasp in grasp_candidates(name, situation, tools=[tool], wide=True, dropped=dropped)
             if not any(map(grasp.near, avoid))
         ]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
