@@ -92,7 +92,7 @@ class StepSelector:
             where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
             words = f"the arm starts in collision: {where}"
             raise NoSafePlan(words, (words,))
-        return chooser.choose()
+        return self.choose(look, goal)
 
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
