@@ -134,7 +134,7 @@ class StepChooser:
                 failures.append(found)
         if unseen is not None:
             return unseen
-        if self.context.second is None or not chosen.holds:
+        if self.context.second is None or not chosen.holds or longer:
             return None
         hold = min(chosen.holds, key=lambda each: chosen.order.index(each.since))
         for order in filter(None, (chosen, turned_round(chosen, hold, self.situation))):
