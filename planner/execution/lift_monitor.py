@@ -162,8 +162,13 @@ class _View:
 
 
 def neighbours_to_watch(situation: Situation, transfer: Transfer, grip: Transfer | None) -> set[str]:
-    """What may move as an object is lifted: what its box is near to and no hand holds."""
+    """What may move as an object is lifted: what its box is near to and no hand holds.
+
+    Nothing is watched as what a hand held goes: put back, it would not stand.
+    """
     name, held = transfer.object, () if grip is None else (grip.object,)
+    if name in held:
+        return set()
     boxes = {other: np.stack([cloud.min(0), cloud.max(0)]) for other, cloud in situation.surfaces.items()}
     low, high = boxes[name] + [[-FARTHEST], [FARTHEST]]
     near = {other for other, box in boxes.items() if (box[0] < high).all() and (box[1] > low).all()}

@@ -72,6 +72,7 @@ def test_what_is_near_and_no_hand_holds_is_watched(bridged: World) -> None:
     assert neighbours_to_watch(look.situation, Handled("plank"), None) == {"near", "far"}
     assert neighbours_to_watch(look.situation, Handled("plank"), Handled("far")) == {"near"}
     assert neighbours_to_watch(look.situation, Handled("aside"), None) == set()
+    assert neighbours_to_watch(look.situation, Handled("plank"), Handled("plank")) == set(), "it was held"
 
 
 def test_what_moves_is_seen_in_a_picture_and_noise_is_not(bridged: World) -> None:
