@@ -18,7 +18,7 @@ from topple.benchmarks.other_piles import NAME as OTHER_PILE
 from topple.benchmarks.other_piles import other_pile
 from topple.benchmarks.row import Progress, Row
 from topple.planner.execution.demo import loop_in
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.robots.scenarios.scenario import Scenario
 from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
@@ -75,7 +75,7 @@ def completion_rows(seed: int, scenes: int, progress: Progress) -> list[Row]:
         for number in range(scenes):
             progress(f"completed bodies, {where}: scene {number + 1} of {scenes}")
             first = FIRST_SEED + 1000 * seed + number
-            for stage in (scenario_called("pile", first), other_pile(first)):
+            for stage in (scenario("pile", first), other_pile(first)):
                 with stage:
                     bodies += _completed(stage, cameras, first)
         for generator in ("pile", OTHER_PILE):

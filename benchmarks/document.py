@@ -15,7 +15,18 @@ from topple.topology.base.errors import DISTRIBUTION, InvalidInput
 BENCHES = ("relate", "order", "build", "rearrange", "motion", "paper", "run", "demo")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
-CHECKS = ("check", "towers", "libero", "assemblies", "textbook", "engines", "reliability", "speed", "truth")
+CHECKS = (
+    "check",
+    "towers",
+    "libero",
+    "assemblies",
+    "textbook",
+    "cans",
+    "engines",
+    "reliability",
+    "speed",
+    "truth",
+)
 """Benches that compare topple with itself, not with others: run where they are named."""
 
 _LIBRARIES = (DISTRIBUTION, "numpy", "scipy", "pybullet", "python-fcl", "ompl")

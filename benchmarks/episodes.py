@@ -22,8 +22,9 @@ from topple.planner.execution.demo import loop_in
 from topple.planner.execution.judge import LIMITS
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
+from topple.robots import scenario
 from topple.robots.engines import BULLET, new_world, playing_on
-from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.scenarios import Scenario
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.world import in_bullet
@@ -263,7 +264,7 @@ def _played(episode: Episode, begun: float) -> Ending:
 def _stage(episode: Episode) -> Scenario:
     if episode.scenario == OTHER_PILE:
         return other_pile(episode.seed, Path(episode.meshes) if episode.meshes else None)
-    return scenario_called(episode.scenario, episode.seed)
+    return scenario(episode.scenario, episode.seed)
 
 
 def copied(world: PhysicalWorld, episode: Episode) -> PhysicalWorld:

@@ -114,10 +114,10 @@ def rearranged(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any
 
 def _rearranged(wanted: tuple[str, int]) -> tuple[str, int, bool]:
     """A scene's name and seed, and whether the plan made of one look at it verifies."""
-    from topple.robots.scenarios import scenario_called
+    from topple.robots import scenario
 
     name, seed = wanted
-    with scenario_called(name, seed) as stage:
+    with scenario(name, seed) as stage:
         return name, seed, _verifies(stage, seen(stage), task_in(stage, stage.cameras, seed))
 
 
@@ -145,9 +145,9 @@ def _clearing(seeds: range, progress: Progress) -> list[dict[str, Any]]:
 
 
 def _holds(kind: str, seed: int) -> bool:
-    from topple.robots.scenarios import scenario_called
+    from topple.robots import scenario
 
-    with scenario_called(kind, seed) as stage:
+    with scenario(kind, seed) as stage:
         return _verifies(stage, seen(stage), stage.goal)
 
 

@@ -95,12 +95,12 @@ def plan_scene(settings: Settings) -> list[float]:
 def think(settings: Settings) -> list[float]:
     """CPU and wall time [s] of thinking for each action of a built-in scene, and the actions."""
     loop_in = _of("loop_in", "topple.planner.execution.demo", "topple.planner.demo")
-    scenario_called = _of("scenario_called", "topple.robots.scenarios")
+    scenario = _of("scenario", "topple.robots.scenarios")
     acting = _Acting(
         _of("SimulatedArm", "topple.robots.world.simulated_arm", "topple.robots.simulated_arm"),
         _of("Camera", "topple.robots.world.camera", "topple.robots.camera"),
     )
-    with scenario_called(settings["scene"], settings["seed"]) as stage:
+    with scenario(settings["scene"], settings["seed"]) as stage:
         loop = loop_in(stage, seed=settings["seed"], cameras=3)
         acting.cpu = acting.wall = 0.0
         cpu, wall = time.process_time(), time.perf_counter()
@@ -113,8 +113,8 @@ def think(settings: Settings) -> list[float]:
 def wait(settings: Settings) -> list[float]:
     """Wall times [s] of a run in a built-in scene and of the waiting before each action but the first."""
     loop_in = _of("loop_in", "topple.planner.execution.demo", "topple.planner.demo")
-    scenario_called = _of("scenario_called", "topple.robots.scenarios")
-    with scenario_called(settings["scene"], settings["seed"]) as stage:
+    scenario = _of("scenario", "topple.robots.scenarios")
+    with scenario(settings["scene"], settings["seed"]) as stage:
         record = loop_in(stage, seed=settings["seed"], ahead=settings["ahead"]).run()
     return [record.seconds, *(step.waited for step in record.steps[1:])]
 

@@ -18,7 +18,8 @@ from topple.planner.execution.demo import loop_in
 from topple.planner.execution.judge import LIMITS
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
-from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots import scenario
+from topple.robots.scenarios import Scenario
 from topple.robots.world.camera import Camera
 
 RULE = "plain 6IM + height"
@@ -51,7 +52,7 @@ def named(stage: Scenario) -> Image.Image:
 def played(seed: int, rule: str | None) -> tuple[RunRecord, list[Image.Image], str]:
     """Play a pile; a picture before each action and at the end, and what was wanted."""
     pictures: list[Image.Image] = []
-    with scenario_called("pile", seed) as stage:
+    with scenario("pile", seed) as stage:
         orderer = cautious if rule is None else order_by(rule, stage.pose_base_to_world)
         loop = loop_in(stage, orderer=orderer, seed=seed)
 

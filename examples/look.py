@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.topology import Scene, thinned
 
 SPACING = 0.002  # [m] between the points that are kept of an object: what three cameras at a metre see apart
@@ -21,7 +21,7 @@ TABLE_SPACING = 0.008  # [m] the same for the table, which is flat and large
 def main(path: str, seed: int = 0) -> None:
     """Look once with the noise of a Kinect, thin the clouds and write the file."""
     rng = np.random.default_rng(seed)
-    with scenario_called("dishes", seed) as stage:
+    with scenario("dishes", seed) as stage:
         images = [camera.look(stage.world, rng) for camera in stage.cameras]
         scene = Scene.from_images(images, fixed=stage.fixed, up=stage.up)
         base = stage.pose_base_to_world

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from topple.planner import Look, Perception, plan
-from topple.robots import Driver, arm_in, robot
-from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots import Driver, arm_in, robot, scenario
+from topple.robots.scenarios import Scenario
 from topple.topology import Scene, Situation, scene_from_objects
 
 
@@ -49,7 +49,7 @@ def solve(goal: str, driver: Driver, eyes: Perception) -> Iterator[str]:
         print("seen:", ", ".join(look.surprises.values()) or "everything is where it should be")
 
 
-with scenario_called("tower") as stage:
+with scenario("tower") as stage:
     driver = arm_in(stage.world, robot("panda"), stage.pose_base_to_world)
     poses, far = stage.world.poses(), 0.0
     for taken in solve(stage.goal, driver, Tracker(stage)):

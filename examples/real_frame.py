@@ -13,13 +13,13 @@ from collections import Counter
 import numpy as np
 
 from topple.planner import order, run, run_page
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.topology import load_scene
 
 
 def simulated(path: str = "frame.npz") -> tuple[str, str]:
     """Write what one depth camera sees of a built-in scene as a driver would; returns path and table."""
-    with scenario_called("tower", 0) as stage:
+    with scenario("tower", 0) as stage:
         image = stage.cameras[0].look(stage.world, np.random.default_rng(0))
         table = next(label for label, name in image.names.items() if name in stage.fixed)
     np.savez_compressed(

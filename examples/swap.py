@@ -12,7 +12,8 @@ import numpy as np
 
 import topple
 from topple.planner import Observer, plan_page
-from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots import scenario
+from topple.robots.scenarios import Scenario
 
 
 def looked(stage: Scenario, finished: bool, seed: int) -> topple.Scene:
@@ -32,7 +33,7 @@ def write(path: str, scene: topple.Scene, base: np.ndarray) -> None:
 
 def main(paths: list[str], seed: int = 1) -> int:
     """Look at both tables; write them, or plan the moves and say what they are."""
-    with scenario_called("swap", seed) as stage:
+    with scenario("swap", seed) as stage:
         start, goal = looked(stage, False, seed), looked(stage, True, seed)
         base = stage.pose_base_to_world
     if paths:

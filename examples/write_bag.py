@@ -7,7 +7,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.topology import DepthImage
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -54,6 +54,6 @@ def _send(bag: Writer, seconds: int, topic: str, message) -> None:
 if __name__ == "__main__":
     # then: topple order run --fixed 1 --target 3
     path, rng = sys.argv[1] if len(sys.argv) > 1 else "run", np.random.default_rng(0)
-    with scenario_called("dishes") as stage:
+    with scenario("dishes") as stage:
         write_bag(path, [stage.cameras[0].look(stage.world, rng) for _ in range(3)], stage.pose_base_to_world)
         print(f"{path}: labels", *(f"{number + 1} {name}" for name, number in stage.world.ids.items()))

@@ -11,8 +11,7 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from topple.robots import Camera
-from topple.robots.scenarios import scenario_called
+from topple.robots import Camera, scenario
 from topple.robots.world.physical_world import PhysicalWorld
 
 SCALE = 0.1  # [mm] of one step of the depth
@@ -52,7 +51,7 @@ def _pose(pose: np.ndarray, frames: str) -> dict[str, list[float]]:
 
 
 if __name__ == "__main__":
-    with scenario_called("dishes") as stage:
+    with scenario("dishes") as stage:
         place = Path(sys.argv[1] if len(sys.argv) > 1 else "bop")
         print(write_bop(place, stage.world, list(stage.cameras)), end=": ")
         print(*(f"obj_{k:06d} {name}" for k, name in enumerate(stage.world.movable, 1)), sep=", ")

@@ -14,6 +14,10 @@ class NoSafePlan(ToppleError):
     Attributes:
         certificate: Why not, as lines fit to print: the cycle, the blocking pair, the object out of reach.
         failures: The objects that could not be moved, each with the step, the check and what barred it.
+
+    Examples:
+        >>> NoSafePlan("each holds the other", certificate=("cup", "plate")).certificate
+        ('cup', 'plate')
     """
 
     def __init__(

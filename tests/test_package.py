@@ -89,6 +89,23 @@ def test_every_public_name_of_the_front_door_is_there() -> None:
         _ = topple.pile
 
 
+STABLE = {
+    topple: "Scene load_scene scene_from_rgbd scene_from_world relate order plan run rearrange build_order "
+    "next_view rank_grasps check robot NoSafePlan InvalidInput ToppleError Plan Order Relations RunRecord",
+    topple.topology: "DepthImage Relation Relations Scene Situation scene_from_objects scene_from_points "
+    "scene_from_coco merge_views relate_all",
+    topple.robots: "World Body Camera SimulatedArm Driver robot around scenario",
+    topple.planner: "ClosedLoop plan order dependencies verify Plan",
+}
+"""Names that programs of others import: they stay whatever lies behind them."""
+
+
+def test_names_that_others_import_stay() -> None:
+    for package, names in STABLE.items():
+        for name in names.split():
+            assert callable(getattr(package, name)), name
+
+
 def test_what_a_program_uses_is_listed_and_typed(tmp_path: Path) -> None:
     packages = (topple, topple.topology, topple.robots, topple.planner)
     for package in packages:

@@ -23,7 +23,7 @@ from topple.planner.report.drawing import Drawing
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import page
 from topple.planner.report.photo import photo
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.robots.world.camera import Camera
 from topple.robots.world.photo import photograph
 from topple.robots.world.physical_world import PhysicalWorld
@@ -58,7 +58,7 @@ def played() -> tuple[RunRecord, list[tuple[int, bytes]]]:
     camera = Camera.looking_at(EYE, TARGET, width=800, height=600)
     pictures: list[tuple[int, bytes]] = []
     done = [0]
-    with scenario_called("dishes", 0) as stage:
+    with scenario("dishes", 0) as stage:
         loop = loop_in(stage, progress=print)
         begun = stage.world.time
 
@@ -117,7 +117,7 @@ def main(target: str = "docs/dishes.webp") -> int:
     assert first.scene is not None and first.order is not None
     order, drawing = {**first.order, "order": names}, Drawing.of(first.scene)
     graph = sideways(DrawnGraph.of(first.scene.movable, order))
-    sides = photo(first.scene, drawing, order, first.photo), graph_box(graph, drawing.colours, drawing.index)
+    sides = photo(first.scene, drawing, order), graph_box(graph, drawing.colours, drawing.index)
     body = f'{STYLE}<div class="film">{sides[0]}{sides[1]}<img id="arm" alt=""></div><div id="said"></div>'
     ties = sorted(order["dependencies"], key=lambda tie: names.index(tie["first"]))
     number = {name: str(drawing.index[name]) for name in names}

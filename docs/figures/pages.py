@@ -19,8 +19,8 @@ SCRUB = "() => { const { player } = window.panels[0]; if (player) player.seek(0.
 TOPPLE = Path(sys.executable).with_name("topple")
 FRAME = """
 import numpy as np
-from topple.robots.scenarios import scenario_called
-with scenario_called("dishes", 0) as stage:
+from topple.robots import scenario
+with scenario("dishes", 0) as stage:
     seen = stage.cameras[0].look(stage.world, np.random.default_rng(0))
 names = dict(ids=np.array(list(seen.names)), names=np.array(list(seen.names.values())))
 np.savez_compressed("frame.npz", depth=seen.depth, K=seen.K, label=seen.label, rgb=seen.rgb, **names)
@@ -49,9 +49,11 @@ def main() -> None:
             [TOPPLE, "demo", "dishes", "--seed", "0"],
         ):
             subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--use-angle=swiftshader"]
+        )
         page = browser.new_page(viewport={"width": 1300, "height": 1000}, device_scale_factor=1)
-        high = {"page_run": 1460}  # photos first, and the view below them
+        high = {"page_run": 1660}  # the photo first, and the view below it
         report = next(Path(folder, "topple-demo").rglob("*.html"))
         pages = {
             "page_show": Path(folder, "show.html"),

@@ -17,7 +17,7 @@ from studio import BLUE, GREEN, GREY, INK, ORANGE, PAPER, RED, SOFT, Studio, bes
 from topple.planner import order
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.raster import Projection, render_clouds
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.topology import Scene
 from topple.topology.situation.situation import Situation
 from topple.topology.statics.equilibrium import balance
@@ -156,7 +156,7 @@ def swept_lift() -> None:
 
 def hidden_contacts() -> None:
     """What one camera sees of a pile, its bodies completed, and the contacts that were inferred."""
-    with scenario_called("dishes", 0) as stage:
+    with scenario("dishes", 0) as stage:
         image = stage.cameras[0].look(stage.world, np.random.default_rng(0))
     scene = Scene.from_images([image], fixed=stage.fixed, up=stage.up)
     statics = Situation.of(scene).statics

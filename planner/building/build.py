@@ -56,6 +56,10 @@ class BuildOrder(Order):
 
     Attributes:
         footings: What the order keeps, also what follows from the direct ones of `graph`.
+
+    Examples:
+        >>> build_order(scene).next.object
+        'book'
     """
 
     footings: tuple[Footing, ...] = ()
@@ -82,6 +86,10 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
     Raises:
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
             in it can move.
+
+    Examples:
+        >>> build_order(scene).order
+        ('book', 'cup')
     """
     seen = Situation.of(scene, relations)
     situation = seen.sized

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import print_table, print_text
-from topple.topology.base.rounded import rounded
+from topple.topology.base.values import rounded
 
 if TYPE_CHECKING:
     from topple.topology.scene.scene import Scene

@@ -79,6 +79,15 @@ class Order(ByValue):
         notes: More entries of the JSON object.
         holds: What a second hand has to hold so that it comes apart.
         proven: Whether no order of the groups needs fewer holds.
+
+    Examples:
+        >>> found = order(scene, "book")
+        >>> found.next.object, found.next.reason
+        ('cup', 'it rests on book.')
+        >>> for step in found:
+        ...     print(step.object, "before", step.before)
+        cup before ()
+        book before ('cup',)
     """
 
     targets: tuple[str, ...]
@@ -208,6 +217,11 @@ def arrange(
     Returns:
         The order with fewest removals: the targets and their ancestors, cycles as groups; or, where
         `removal_risk` is given, the one with the least risk.
+
+    Examples:
+        >>> tops = {name: cloud.max(axis=0) for name, cloud in scene.clouds.items()}
+        >>> arrange(dependencies(scene), ["book"], tops).order
+        ('cup', 'book')
     """
     wanted = tuple(targets) or graph.names
     needed = set(wanted).union(*(graph.before(name) for name in wanted)) if wanted else set[str]()

@@ -67,6 +67,11 @@ class Dependency:
         evidence: The relations it rests on: of the two as they lie, of those through which they hang
             together, or of `then` with all that it passes on its way out.
         lies: "on" or "in" where a person would say of what leans that it lies there; it changes words alone.
+
+    Examples:
+        >>> tie = dependencies(scene).between("cup", "book")
+        >>> tie.sentence()
+        'cup rests on book (touch, 0.0 mm, observed)'
     """
 
     first: str
@@ -101,6 +106,8 @@ class Dependency:
             "confidence": round(self.confidence, 3),
             "evidence": [each.to_json() for each in self.evidence],
         }
+        if self.reason is Reason.MEASURED:
+            document["measured"] = True
         return document | ({"lies": self.lies} if self.lies else {})
 
     def sentence(self) -> str:
@@ -121,6 +128,10 @@ class DependencyGraph(ByValue):
 
     Raises:
         UnknownObject: A dependency names an object that is not among `names`.
+
+    Examples:
+        >>> sorted(dependencies(scene).before("book"))
+        ['cup']
     """
 
     names: tuple[str, ...]
@@ -208,6 +219,10 @@ def dependencies(
 
     Raises:
         InvalidInput: The scene has no `up`.
+
+    Examples:
+        >>> [(tie.first, tie.then, str(tie.reason)) for tie in dependencies(scene).dependencies]
+        [('cup', 'book', 'supported')]
     """
     graph, _ = reasoned(Situation.of(scene, relations))
     return graph.reduced() if direct else graph
@@ -252,7 +267,7 @@ def with_measured(
     chains = {pair: situation.chain(*pair) for pair in sorted(measured) if {*pair} <= {*graph.names}}
     next_to = {then for (_, then), chain in chains.items() if len(chain) <= 1}
     edges = [
-        Dependency(first, then, Reason.MEASURED, 1.0, chain)
+        Dependency(first, then, Reason.MEASURED, 1.0, chain or (situation.swept(then, first),))
         for (first, then), chain in chains.items()
         if len(chain) <= 1 or then not in next_to
     ]

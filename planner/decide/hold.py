@@ -20,6 +20,10 @@ class Hold:
         because: Why, in words.
         evidence: The relations this rests on.
         fixture: Whether what clamps the object where it stands holds it, and no hand has to.
+
+    Examples:
+        >>> Hold("cup", "book", "lid", "it leans on book").sentence(["book", "lid"])
+        'hold cup while book and lid are taken: it leans on book'
     """
 
     object: str

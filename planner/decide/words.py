@@ -5,7 +5,7 @@ from typing import Any
 
 from topple.planner.decide.hold import Hold
 from topple.planner.decide.tolerances import GUESS, LABEL, SURELY
-from topple.topology.base.rounded import rounded
+from topple.topology.base.values import rounded
 
 Document = Mapping[str, Any]
 

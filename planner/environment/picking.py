@@ -14,7 +14,8 @@ from topple.planner.environment.tolerances import EFFORT
 from topple.planner.environment.view import Observation, seen, space_of
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.look import Observer
-from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots import scenario
+from topple.robots.scenarios import Scenario
 from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.scene.scene import Scene
@@ -94,7 +95,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         super().reset(seed=seed)
         self.close()
         number = int((options or {}).get("scene", self.np_random.integers(SEEDS)))
-        self._stage = stage = scenario_called(self._scenario, number)
+        self._stage = stage = scenario(self._scenario, number)
         names = sorted(stage.world.movable)
         if len(names) > self._slots:
             raise InvalidInput(f"{self._scenario} {number} has {len(names)} objects: give slots={len(names)}")

@@ -43,6 +43,13 @@ class Look:
         taken: When its pictures were there [s], by `time.perf_counter`.
         surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
         faults: What was wrong with cameras and masks and was put right or left out, in sentences.
+
+    Examples:
+        >>> with new_world() as world:
+        ...     world.add(Body.of("crate", [corners]))
+        ...     look = Observer(world, around((0, 0, 0)), np.random.default_rng(0), ()).look()
+        >>> len(look.images), look.scene.names, look.faults
+        (3, ('crate',), ())
     """
 
     images: tuple[DepthImage, ...]
@@ -66,7 +73,13 @@ class Look:
 
 @runtime_checkable
 class Perception(Protocol):
-    """Whatever looks at a scene: simulated cameras, or those of a robot."""
+    """Whatever looks at a scene: simulated cameras, or those of a robot.
+
+    Examples:
+        >>> with new_world() as world:
+        ...     isinstance(Observer(world, around((0, 0, 0)), np.random.default_rng(0), ()), Perception)
+        True
+    """
 
     def look(self, expected: Scene | None = None, more: Sequence[DepthImage] = ()) -> Look:
         """Look now; `expected` is the scene as it should be, `more` are pictures just taken of it besides."""
@@ -93,6 +106,13 @@ class Observer:
         robots: Those in the pictures: what is seen at them is nobody's, and what else has no mask is matter;
             None where that is not known, and nothing is.
         period: Time between pictures that the cameras stream in turn [s].
+
+    Examples:
+        >>> with new_world() as world:
+        ...     world.add(Body.of("crate", [corners]))
+        ...     observer = Observer(world, around((0, 0, 0)), np.random.default_rng(0), ())
+        ...     observer.look().scene.names
+        ('crate',)
     """
 
     world: PhysicalWorld

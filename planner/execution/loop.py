@@ -75,6 +75,13 @@ class ClosedLoop:
         hand_on: Called with the name of what `away` leaves in the hand: your own skill then empties it.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
+
+    Examples:
+        >>> with scenario("tower") as stage:
+        ...     arm = arm_in(stage.world, robot("panda"), stage.pose_base_to_world)
+        ...     loop = ClosedLoop.simulated(stage.world, arm, stage.cameras, stage.goal)
+        ...     loop.look().scene.movable
+        ('yellow', 'green', 'blue', 'red')
     """
 
     robot: Driver
@@ -171,7 +178,7 @@ class ClosedLoop:
         rng = np.random.default_rng(seed)
         perception = Observer(
             world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate,
-            partial(photograph, world, cameras[0]) if photos else None,
+            partial(photograph, world, cameras[0], whole=True) if photos else None,
             [robot] if second is None else [robot, second],
         )  # fmt: skip
         wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
@@ -258,7 +265,7 @@ class ClosedLoop:
             relations=look.relations.to_json(),
             notes=(*goal.assumptions, *(f"at the first look, {text}" for text in first.faults)),
             stopped=stopped,
-            arm_parts=self.robot.arm.parts,
+            arm=self.robot.arm,
         )
 
     def _looked_closer(
@@ -296,16 +303,14 @@ class ClosedLoop:
 
     def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look, list[str]]:
         """Does one step, looks again and judges it."""
-        started = time.perf_counter()
-        name = chosen.transfer.object
+        started, name = time.perf_counter(), chosen.transfer.object
         events = self._announced(chosen)
         grip = chosen.grip or self._arms.grip
         self.judge.begin(chosen.transfer, None if grip is None else grip.object, chosen.by_second)
         self._selector.prepare(look, chosen, goal)
         waited = time.perf_counter() - max(look.taken, self._started)
         outcome, expected = self._carried_out(look, chosen)
-        verdict = self.judge.verdict()
-        attempts = self._selector.record_action(chosen, outcome)
+        verdict, attempts = self.judge.verdict(), self._selector.record_action(chosen, outcome)
         events += self._learned(chosen, outcome)
         seen = without(self.perception.look(expected), self._gone)
         if outcome.success and not (seen.surprises or seen.faults):
@@ -325,6 +330,7 @@ class ClosedLoop:
             fallbacks=tuple(map(str, chosen.all_fallbacks)),
             waited=waited,
             prepared=chosen is self._selector.prepared,
+            stopped_by=outcome.moved,
             success=outcome.success,
             attempts=attempts,
             disturbed=verdict.disturbed,

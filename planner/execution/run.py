@@ -63,22 +63,19 @@ def run(
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
         hands: How many such arms there are, 1 or 2: the second one holds what would not stand.
         second_base: (4, 4) pose_base_to_scene of the second one; searched for where None.
-        clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand has closed on
-            them.
+        clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand holds them.
         away: Where things go that are taken, as for `topple.planner.plan`.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
-        ahead: Whether the next step is chosen while the arm acts, as for `ClosedLoop`: by a process that is
-            spawned, so the program has to be safe to import.
+        ahead: Whether a spawned process chooses the next step while the arm acts, as for `ClosedLoop`.
         engine: What plays it, one of `topple.robots.engines.ENGINES`.
         video: Where a film of it is written, an MP4 file.
         lerobot: A dataset of LeRobot v3 that the run is added to as an episode, or a folder for a new one.
         photos: Whether photos for people are taken at every look, for `run_page`: a second each.
-        grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
-            object until the arm has tried to take it: where it is then has to be seen, and grasps for it
-            there are searched for.
+        grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`, for an object until
+            the arm has tried to take it: from then on they are searched for.
         orderer: What says in which order to free targets: see `topple.planner.planning.step.Orderer`.
         relate: What relates what is seen, a function of the scene; topple's own rule where None.
         seed: Of sensor noise and every search.
@@ -89,9 +86,12 @@ def run(
 
     Raises:
         InvalidInput: The goal is none, names what is not there, the scene has no table, no up or hangs in the
-            air with it, or the arm has no tool; there are two arms, and they cannot hold, or play on another
-            engine or have a camera at the wrist.
+            air, or the arm has no tool; or two arms cannot hold, or have another engine or a wrist camera.
         NoBase: The arm reaches nothing from anywhere.
+
+    Examples:
+        >>> print(run(scene, "free cup").summary)
+        Cup freed in 1 move. Nothing else moved.
     """
     scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)

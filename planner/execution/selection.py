@@ -30,6 +30,10 @@ class RunLimits:
         attempts: Tries at one object before the run gives up on it, until another one was taken away.
         actions: Actions in all for each object of the scene.
         settle: Seconds of simulated time to wait after an action before looking.
+
+    Examples:
+        >>> RunLimits(attempts=2).attempts
+        2
     """
 
     attempts: int = 3

@@ -73,10 +73,25 @@ class TwoArms:
         """
         acting = self.acting(chosen)
         other = self._beside(acting)
+        outcome = self._tried(chosen, situation, acting, other, watch, monitor)
+        if other is None or outcome.motion is None:
+            return outcome
+        still = other.pose_base_to_world @ other.arm.forward(other.q_target, other.tool_state)[0]
+        return replace(outcome, motion=replace(outcome.motion, beside=still))
+
+    def _tried(
+        self,
+        chosen: NextStep,
+        situation: Situation,
+        acting: Driver,
+        other: Driver | None,
+        watch: Watch,
+        monitor: LiftMonitor | None,
+    ) -> Outcome:
         if chosen.grip is not None and other is not None:
             closed = execute(chosen.grip, other)
             if not closed.success:
-                return replace(closed, text=f"the other arm: {closed.text}")
+                return replace(closed, text=f"the other arm: {closed.text}", motion=None)
             self.grip = chosen.grip
         transfer, off = chosen.transfer, 0.0
         if other is not None and self.grip is not None and not self._holds(chosen):

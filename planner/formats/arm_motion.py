@@ -34,6 +34,7 @@ class ArmMotion(ByValue):
         links: (k, L, 4, 4) pose_link_to_world, in the order of `Arm.links`.
         carried: name -> (k, 4, 4) rigid transform in the world since the first key frame.
         ends: Of each pick and place its last key frame.
+        beside: (L, 4, 4) pose_link_to_world of another such arm, which stands still; none where L = 0.
     """
 
     times: FloatArray
@@ -41,6 +42,7 @@ class ArmMotion(ByValue):
     links: FloatArray
     carried: Mapping[str, FloatArray] = field(default_factory=dict[str, FloatArray])
     ends: tuple[int, ...] = ()
+    beside: FloatArray = field(default_factory=lambda: np.empty((0, 4, 4)))
 
     @staticmethod
     def of(arm: Arm, pose_base_to_world: FloatArray, carries: Iterable["Carry"]) -> "ArmMotion | None":

@@ -41,11 +41,11 @@ def png(image: "Image.Image") -> bytes:
     return buffer.getvalue()
 
 
-def as_jpeg(data: bytes) -> bytes:
-    """The same picture, PNG or JPEG, as a JPEG file."""
+def pixels_of(data: bytes) -> Pixels:
+    """(H, W, 3) uint8 of a PNG or JPEG file."""
     from PIL import Image
 
-    return jpeg(np.asarray(Image.open(io.BytesIO(data), formats=("PNG", "JPEG")).convert("RGB")))
+    return np.asarray(Image.open(io.BytesIO(data), formats=("PNG", "JPEG")).convert("RGB"))
 
 
 def jpeg(rgb: Pixels) -> bytes:

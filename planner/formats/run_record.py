@@ -5,8 +5,10 @@ from dataclasses import dataclass, field
 from math import degrees
 from typing import Any
 
+from topple.planner.fallbacks import Fallback
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.tolerances import DISTURBED, TURNED
+from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.notebook import in_cell
 from topple.topology.base.values import ByValue, in_columns
@@ -33,6 +35,7 @@ class StepRecord(ByValue):
         severity: How far the middle of what moved by more than counts fell [m], and with which energy [J].
         relations_as_predicted: The relations seen afterwards are those the plan predicted.
         seconds: Wall-clock time of the step, planning and looking included.
+        stopped_by: What was seen to move as the object was lifted: name -> how far [m]; it was put back then.
         waited: Wall-clock time from when the pictures were there that the step was chosen from until the arm
             began to move [s], None where not measured.
         prepared: Whether it was chosen while the arm did the step before.
@@ -88,6 +91,7 @@ class StepRecord(ByValue):
     fallbacks: tuple[str, ...] = ()
     waited: float | None = None
     prepared: bool = False
+    stopped_by: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def to_json(self) -> dict[str, Any]:
         """The step as it stands in a `topple.run` document: no pictures, no clouds."""
@@ -99,10 +103,7 @@ class StepRecord(ByValue):
             "disturbed": {
                 name: [float(moved), float(turned)] for name, (moved, turned) in self.disturbed.items()
             },
-            "severity": {
-                name: {"drop": float(drop), "energy": float(energy)}
-                for name, (drop, energy) in self.severity.items()
-            },
+            "severity": _severity(self.severity),
             "relations_as_predicted": self.relations_as_predicted,
             "seconds": round(self.seconds, 3),
             "waited": None if self.waited is None else round(self.waited, 3),
@@ -112,6 +113,7 @@ class StepRecord(ByValue):
             "dropped": self.dropped,
             "events": list(self.events),
             "fallbacks": list(self.fallbacks),
+            "unseen": Fallback.UNSEEN in self.fallbacks,
             "tilts": {name: float(tilt) for name, tilt in self.tilts.items()},
             "forces": {name: float(force) for name, force in self.forces.items()},
             "impulses": {name: float(impulse) for name, impulse in self.impulses.items()},
@@ -135,12 +137,16 @@ class RunRecord(ByValue):
         scene: What was seen at the end, or None.
         relations: `topple.relations` document of that, or None.
         order: `topple.order` document of what would be left to take, or None.
+        wanted: PNG bytes of the same camera's view of the arrangement that was to be copied, or None.
         notes: What a reader should know besides: where the base stands, what was assumed.
-        arm_parts: Per link of the arm, in the order of the motions' poses, the (V, 3) vertices of its convex
-            parts in the link frame [m]; empty where nobody knows.
+        arm: The arm, for pictures of its motions; None where nobody knows.
         stopped: Why no more was done though the goal was not reached: "no plan", "budget", "blind" (nothing
             could be seen any more), "arm" (its hand does not let go, or it is not where it should be) or
             "interrupted" (by somebody); else empty.
+
+    Examples:
+        >>> print(RunRecord("free plate", "panda", 0, success=True).summary)
+        Plate freed in 0 moves. Nothing else moved.
     """
 
     goal: str
@@ -155,8 +161,9 @@ class RunRecord(ByValue):
     order: Document | None = None
     notes: tuple[str, ...] = ()
     stopped: str = ""
-    arm_parts: tuple[tuple[FloatArray, ...], ...] = ()
+    arm: Arm | None = None
     missing: tuple[str, ...] = ()
+    wanted: bytes | None = None
 
     @property
     def verdict(self) -> str:
@@ -187,6 +194,14 @@ class RunRecord(ByValue):
         return "\n".join([run_heading(found := self.to_json()), *in_columns(run_rows(found))])
 
     @property
+    def severity(self) -> Mapping[str, tuple[float, float]]:
+        """How far what was disturbed fell [m], and with which energy [J], the worst of all steps by name."""
+        worst: dict[str, tuple[float, float]] = {}
+        for name, fall in (each for step in self.steps for each in step.severity.items()):
+            worst[name] = max(worst.get(name, fall), fall)
+        return worst
+
+    @property
     def interrupted(self) -> bool:
         """Somebody ended the run before it came to its end."""
         return self.stopped == INTERRUPTED
@@ -206,12 +221,22 @@ class RunRecord(ByValue):
             "seed": self.seed,
             "seconds": round(self.seconds, 3),
             "steps": [step.to_json() for step in self.steps],
+            "stops": [
+                {"object": step.object, "moved": name, "mm": round(1e3 * off, 1)}
+                for step in self.steps
+                for name, off in step.stopped_by.items()
+            ],
+            "severity": _severity(self.severity),
             "violations": list(self.violations),
             "verdict": self.verdict,
             "notes": list(self.notes),
             "stopped": self.stopped,
             "interrupted": self.interrupted,
         }
+
+
+def _severity(falls: Mapping[str, tuple[float, float]]) -> Document:
+    return {name: {"drop": float(drop), "energy": float(energy)} for name, (drop, energy) in falls.items()}
 
 
 def run_heading(run: Document) -> str:

@@ -32,6 +32,10 @@ class ForeignGrasps(ByValue):
         source: Name of the format.
         labels: (N,) what the file calls the things they hold, its number for them as text, "" where it names
             none; empty where the format names nothing.
+
+    Examples:
+        >>> len(grasps_from_array(np.eye(4)[None]))
+        1
     """
 
     poses_tool_to_source: FloatArray
@@ -89,6 +93,11 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
 
     Raises:
         InvalidInput: The file is none of these; the message says what was found and what was expected.
+
+    Examples:
+        >>> np.save("grasps.npy", np.eye(4)[None])
+        >>> len(read_grasps("grasps.npy"))
+        1
     """
     path = Path(path)
     try:
@@ -105,21 +114,33 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
 
 @checked_arguments
 def grasps_from_array(
-    array: FloatArray, name: str = "grasps", scores: Sequence[float] | FloatArray | None = None
+    array: FloatArray,
+    name: str = "grasps",
+    scores: Sequence[float] | FloatArray | None = None,
+    widths: Sequence[float] | FloatArray | None = None,
 ) -> ForeignGrasps:
     """Take grasps from an array.
 
     Args:
         array: (N, 17) rows of GraspNet, or (N, 4, 4) poses of the tool frame.
         name: For messages.
-        scores: (N,) for poses; 1 where not given.
+        scores: (N,), larger is better; where None those of GraspNet, 1 for poses.
+        widths: (N,) openings of the hand [m]; where None those of GraspNet, unknown for poses.
 
     Returns:
         The grasps.
 
     Raises:
         InvalidInput: The shape is neither, or a pose is no rigid transform in metres.
+
+    Examples:
+        >>> grasps_from_array(np.eye(4)[None], scores=[0.7]).scores
+        array([0.7])
     """
+
+    def given(values: Any, default: FloatArray) -> FloatArray:
+        return default if values is None else plain(values, name)
+
     array = plain(array, name)
     if array.ndim == 2 and array.shape[1] == GRASPNET_COLUMNS:
         poses = poses_of(array[:, 4:13].reshape(-1, 3, 3)[:, :, [2, 1, 0]], array[:, 13:16])
@@ -130,11 +151,15 @@ def grasps_from_array(
             label_of(number, f"{name}: object of grasp {row}")
             for row, number in enumerate(array[:, 16].tolist())
         )
-        return checked(ForeignGrasps(poses, array[:, 0], array[:, 1], "graspnet", labels), name)
+        found = ForeignGrasps(
+            poses, given(scores, array[:, 0]), given(widths, array[:, 1]), "graspnet", labels
+        )
+        return checked(found, name)
     if array.ndim == 3 and array.shape[1:] == (4, 4):
-        count = len(array)
-        given = np.ones(count) if scores is None else plain(scores, f"{name}: scores")
-        return checked(ForeignGrasps(array, given, np.full(count, np.nan), "poses"), name)
+        found = ForeignGrasps(
+            array, given(scores, np.ones(len(array))), given(widths, np.full(len(array), np.nan)), "poses"
+        )
+        return checked(found, name)
     raise InvalidInput(f"{name}: has shape {array.shape}: expected (N, 17) of GraspNet or (N, 4, 4) poses")
 
 

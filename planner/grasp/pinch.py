@@ -20,7 +20,7 @@ from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import OWN_MARGIN, PINCH_BRUSH, PINCH_TIGHT, ROUGH
 from topple.robots.collision.prisms import Prism
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.base.rounded import rounded
+from topple.topology.base.values import rounded
 
 WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
 """Exponents of a pinch's terms: one that is nil spoils the grasp alone."""

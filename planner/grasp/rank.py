@@ -62,6 +62,8 @@ def rank_grasps(
     grasps: GivenGrasps,
     robot: Arm | str | None = None,
     *,
+    scores: Sequence[float] | FloatArray | None = None,
+    widths: Sequence[float] | FloatArray | None = None,
     names: Mapping[int, str] | Mapping[str, str] | None = None,
     pose_source_to_world: FloatArray | None = None,
     pose_base_to_world: FloatArray | None = None,
@@ -80,6 +82,8 @@ def rank_grasps(
             those of the lip where the arm has a cup and no fingers.
         robot: The arm, or its name; without one the hand of a Panda is taken, or its cup, and reach is not
             asked.
+        scores: (N,) of an array of grasps, larger is better.
+        widths: (N,) openings of the hand [m] of an array of grasps.
         names: What the scene calls the segments or objects of a file of grasps: {0: "cup"}. Without it
             their numbers are names, "3", where the scene has any of those, and mean nothing otherwise.
             GraspNet counts objects from 0, and from 1 in its label images.
@@ -98,8 +102,22 @@ def rank_grasps(
         InvalidInput: The grasps, a pose or the scene are not what they should be, no grasp is near anything
             in the scene, the arm has no tool for them, or `reach` gives something else.
         UnknownObject: A grasp names an object that is not in the scene.
+
+    Examples:
+        >>> poses = np.tile(np.diag([1.0, -1, -1, 1]), (2, 1, 1))  # from above
+        >>> poses[:, :3, 3] = [0.5, 0, 0.1], [0.55, 0, 0.03]
+        >>> for ranked in rank_grasps(scene, poses, "panda", scores=[0.4, 0.9], widths=[0.07, 0.07]):
+        ...     print(ranked.index, ranked.grasp.object, ranked.before)
+        0 cup ()
+        1 book ('cup',)
     """
-    scene, source = as_scene(scene), grasps_from_array(grasps) if isinstance(grasps, np.ndarray) else grasps
+    scene = as_scene(scene)
+    if isinstance(grasps, np.ndarray):
+        source = grasps_from_array(grasps, scores=scores, widths=widths)
+    elif scores is not None or widths is not None:
+        raise InvalidInput("scores and widths go with an array of grasps: these grasps have their own")
+    else:
+        source = grasps
     told = _told(source, scene, names) if isinstance(source, ForeignGrasps) else {}
     arm = robot_named(robot) if isinstance(robot, str) else robot
     if pose_source_to_world is None and isinstance(source, ForeignGrasps):
@@ -177,6 +195,12 @@ def rank_all(
     Raises:
         InvalidInput: As `rank_grasps`, or there are more scenes than grasps or the other way round.
         WorkerLost: The worker of a scene was lost twice.
+
+    Examples:
+        >>> pose = np.diag([1.0, -1, -1, 1])
+        >>> pose[:3, 3] = 0.5, 0, 0.1
+        >>> [ranked[0].grasp.object for ranked in rank_all([scene], [pose[None]])]
+        ['cup']
     """
     pairs = list(zip_longest(scenes, grasps))
     short = [number for number, pair in enumerate(pairs) if any(part is None for part in pair)]

@@ -22,7 +22,7 @@ from topple.planner.motion.tolerances import (
 )
 from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.rounded import rounded
+from topple.topology.base.values import rounded
 
 
 @dataclass(frozen=True, eq=False)

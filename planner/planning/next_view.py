@@ -105,6 +105,10 @@ def next_view(
 
     Raises:
         InvalidInput: As `order`, or the eyes are no points.
+
+    Examples:
+        >>> next_view(scene, "book") is None  # no camera is known
+        True
     """
     views = next_views(scene, targets, eyes=eyes, found=found)
     return views[0] if views else None

@@ -88,6 +88,14 @@ def order(
             in it can move, a target is fixed or hangs on a wrong mask, no hand, or the risk is no chance.
         UnknownObject: A target is not in the scene.
         OutOfBudget: The budget ran out.
+
+    Examples:
+        >>> order(scene, "book").order
+        ('cup', 'book')
+        >>> print(order(scene))
+        to clear everything, take 2 of 2 movable objects in this order
+        1  cup   likely  it rests on book.
+        2  book  sure    after cup, because cup rests on it.
     """
     if hands is not None and hands < 1:
         raise InvalidInput(f"hands is {hands}: expected how many there are, 1 or more")
@@ -152,6 +160,10 @@ def order_all(
     Raises:
         InvalidInput: As `order` and `load_scene`.
         WorkerLost: The worker of a scene was lost twice.
+
+    Examples:
+        >>> [found.order for found in order_all([scene], "book")]
+        [('cup', 'book')]
     """
     return list(all_of(partial(_order_of, targets, options), scenes, executor))
 

@@ -74,23 +74,19 @@ def plan(
         base: (4, 4) pose_base_to_world; the scene's `robot_base`, or else searched for.
         q_start: (n,) joint values to start from [rad]; the arm's home where not given.
         upright: Objects that are kept upright while they are carried, with what is in them.
-        clamped: Objects that a fixture, such as a vice, keeps where they stand. It has to let go of one
-            once the hand has closed on it: the reason of that step says so.
+        clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand holds them.
         grasps: Grasps of your own, in the scene's frame, as `rank_grasps` gives them or by object. An object
             that has any is taken by those alone, wherever it has been put by then, those with the highest
             scores that have room first; for the others grasps are searched for.
         orderer: What says in which order to free targets: see `topple.planner.planning.step.Orderer`.
-        relations: Relations of your own, which the first step is ordered by. Afterwards those of an object
-            that was moved are worked out from its cloud, the others stay; give a function of the scene to
-            have it asked before each step.
+        relations: Relations of your own, for the first step. Afterwards those of what was moved are worked
+            out from its cloud; a function of the scene is asked before each step.
         away: Where things go that are taken: "table", to free places on what is seen; "lift", "bin", or
             ("zone", ...), ("hand-over", ...) with numbers, as `topple.planner.placement.away` has them.
-        allow_drop: Whether an object that stays nowhere the arm can put it may be let go to fall; its step
-            then says so. Later steps take it to be where it was let go.
-        check: Whether the plan is checked by other means before it is returned, as `Plan.verify` does, which
-            takes a third of the time; without PyBullet it cannot be. From a step that it refutes on is
-            planned anew, with another grasp or place, three times at most. An order or relations of your own
-            are not held against the dependencies that topple finds.
+        allow_drop: Whether an object may be released where no stable place is in reach; its step says so.
+        check: Whether the plan is checked by `Plan.verify`, with PyBullet, in a third of the time. From a
+            step that it refutes on is planned anew, with another grasp or place, three times at most. An
+            order or relations of your own are not held against the dependencies that topple finds.
         budget: Wall-clock seconds for the whole call: what takes longer fails.
         seed: Of every search.
         progress: Called with a line for each step.
@@ -105,6 +101,10 @@ def plan(
             air with it, the arm has no tool, or the grasps, the relations or what the orderer says do not
             fit the scene or the arm.
         OutOfBudget: The budget ran out.
+
+    Examples:
+        >>> plan(scene, "free cup", "panda", check=False).order
+        ['cup']
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
@@ -172,6 +172,10 @@ def plan_all(
     Raises:
         InvalidInput: As `plan` and `load_scene`.
         WorkerLost: The worker of a scene was lost twice.
+
+    Examples:
+        >>> [made.order for made in plan_all([scene], "free cup", "panda", check=False)]
+        [['cup']]
     """
     return list(all_of(partial(_plan_of, goal, robot, options), scenes, executor))
 

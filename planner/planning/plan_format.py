@@ -28,7 +28,12 @@ from topple.topology.io.strict_json import read_json
 
 
 class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data say, in the schema too
-    __doc__ = PlanData.__doc__
+    __doc__ = f"""{PlanData.__doc__}
+    Examples:
+        >>> made = plan(scene, "free cup", "panda", check=False)
+        >>> made.order, made.steps[0].grasp.kind, made.certified
+        (['cup'], 'pinch', True)
+    """
 
     @checked_arguments
     def verify(self, scene: AnyScene | None = None, robot: Arm | str | None = None) -> Verification:

@@ -8,7 +8,7 @@ from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
-from topple.topology.base.rounded import rounded
+from topple.topology.base.values import rounded
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 

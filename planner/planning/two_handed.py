@@ -57,6 +57,13 @@ def plan_two_handed(
         NoSafePlan: There is none; the certificate has what each object fails of.
         InvalidInput: The goal is none, the scene does not know up, the arm has no fingers, or an arm touches
             something where it stands.
+
+    Examples:
+        >>> opposite = np.diag([-1.0, -1, 1, 1])
+        >>> opposite[0, 3] = 1.0
+        >>> steps = plan_two_handed(scene, "free cup", "panda", base=np.eye(4), second_base=opposite)
+        >>> [(step.transfer.object, step.by_second) for step in steps]
+        [('cup', False)]
     """
     scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
     check_second(arm)

@@ -37,6 +37,11 @@ class Arrangement:
         scene: How things shall lie, in the frame of what they lie in now, or the situation it was read as.
         matches: Which thing of it was taken to be which, where its names did not say.
         pose_free: Things of which it counts what they lie in, not in which pose.
+
+    Examples:
+        >>> finished = Arrangement(scene)
+        >>> ArrangementTask(finished).goal(scene).text
+        'book on table, cup on book'
     """
 
     def __init__(

@@ -47,6 +47,10 @@ class Rearrangement(ByValue):
         holds: What stands in the goal only when it is held until a later thing is down.
         assumptions: What was assumed and not seen, in sentences.
         explanation: One sentence per move.
+
+    Examples:
+        >>> rearrange(scene, scene).moves
+        ()
     """
 
     moves: tuple[Move, ...]
@@ -145,6 +149,11 @@ def rearrange(
             nothing is matched by what `match` says, or nothing can lie as the goal has it.
         NoSafePlan: What must happen before what closes a cycle that no buffer opens; or the arm cannot do it.
         OutOfBudget: The budget ran out.
+
+    Examples:
+        >>> beside = scene.with_cloud("cup", scene.clouds["cup"] + [0, 0.2, -0.04])
+        >>> [(move.object, str(move.to)) for move in rearrange(scene, beside).moves]
+        [('cup', 'goal')]
     """
     if match not in MATCHES:
         raise InvalidInput(f"match is {match!r}: expected one of {', '.join(MATCHES)}")

@@ -45,6 +45,10 @@ class ArrangementTask:
 
     Args:
         arrangement: How things shall lie.
+
+    Examples:
+        >>> ArrangementTask(Arrangement(scene)).goal(scene).text
+        'book on table, cup on book'
     """
 
     def __init__(self, arrangement: Arrangement) -> None:
@@ -118,6 +122,10 @@ class DescribedTask(_LazyTask):
 
     Args:
         words: As "plate on table, bowl on plate, spoon left of plate".
+
+    Examples:
+        >>> DescribedTask("cup on table").goal(scene).text
+        'book on table, cup on table'
     """
 
     def __init__(self, words: str) -> None:
@@ -137,6 +145,10 @@ class RelatedTask(_LazyTask):
 
     Args:
         document: What `topple relate --json` prints, of this scene or another one of the same things.
+
+    Examples:
+        >>> RelatedTask(relate(scene).to_json()).goal(scene).text
+        'book on table, cup on book'
     """
 
     def __init__(self, document: Mapping[str, Any]) -> None:
@@ -156,6 +168,10 @@ class SameShapesTask(_LazyTask):
 
     Args:
         goal: How things of these shapes shall lie.
+
+    Examples:
+        >>> SameShapesTask(scene).goal(scene).text
+        'book on table, cup on book'
     """
 
     def __init__(self, goal: AnyScene) -> None:

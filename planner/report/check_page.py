@@ -39,6 +39,10 @@ def check_page(scene: Scene, found: Document, title: str) -> str:
         scene: The scene that was checked.
         found: The JSON of `topple check`.
         title: Title of the page.
+
+    Examples:
+        >>> "stands" in check_page(scene, check(scene).to_json(), "A desk")
+        True
     """
     drawing = Drawing.of(scene)
     verdict, *reasons = str(found["verdict"]).split("; ")
@@ -105,12 +109,18 @@ def _arrows(drawing: Drawing, found: Document) -> list[tuple[FloatArray, FloatAr
 
 
 def _table(objects: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
-    """A row for each object, those that do not stand first."""
-    numbers, rows = CHECK_HEADINGS[3:6], ""
-    for each in sorted(objects, key=lambda one: one["stands"]):
-        named = list(zip(CHECK_HEADINGS, check_cells(each), strict=True))[1:]
-        cells = "".join(
-            f"<td{' class=number' if title in numbers else ''}>{escape(cell)}</td>" for title, cell in named
+    """A row for each object, those that do not stand first; without columns in which nothing stands."""
+    first = sorted(objects, key=lambda one: one["stands"])
+    columns = list(zip(CHECK_HEADINGS, zip(*map(check_cells, first), strict=True), strict=False))[1:]
+    shown, numbers = [(title, cells) for title, cells in columns if any(cells)], CHECK_HEADINGS[3:6]
+    rows = "".join(
+        f"<tr><td>{object_name(each['object'], index)}</td>"
+        + "".join(
+            f"<td{' class=number' if title in numbers else ''}>{escape(cells[row])}</td>"
+            for title, cells in shown
         )
-        rows += f"<tr><td>{object_name(each['object'], index)}</td>{cells}</tr>"
-    return "<h2>Objects</h2>" + table(CHECK_HEADINGS, rows, numbers=numbers)
+        + "</tr>"
+        for row, each in enumerate(first)
+    )
+    headings = [CHECK_HEADINGS[0], *(title for title, _ in shown)]
+    return "<h2>Objects</h2>" + table(headings, rows, numbers=numbers)

@@ -20,6 +20,7 @@ from topple.topology.kernels.planes import patch_planes
 from topple.topology.scene.cloud import clean
 from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation
+from topple.topology.views.image import Photo
 
 Document = Mapping[str, Any]
 
@@ -41,7 +42,8 @@ class DrawnObject:
     """One object as it is drawn."""
 
     name: str
-    colour: Colour
+    colour: Colour  # that tells it from the others, in every picture of the scene
+    paint: Colour  # its own where a photo shows it: the mean of its mask, else `colour`
     fixed: bool
     points: FloatArray  # (N, 3) of its surface [m], thinned: first what was seen, then what is guessed
     normals: FloatArray  # (N, 3) unit normals of the surface there, of either sign
@@ -64,14 +66,31 @@ class Drawing:
     eye: FloatArray  # (3,) point to look from at first [m]
 
     @staticmethod
-    def of(scene: Scene, points: int = LIMITS.page_points) -> "Drawing":
-        """Thin a scene's clouds to some points in all, add what is guessed, and outline their hulls."""
+    def of(scene: Scene, points: int = LIMITS.page_points, taken: Photo | None = None) -> "Drawing":
+        """Thin a scene's clouds to some points in all, add what is guessed, and outline their hulls.
+
+        Args:
+            scene: The scene.
+            points: How many are kept in all.
+            taken: A photo that was taken of it for people; else its first colour image gives the paints.
+        """
         colours, shares, up = object_colours(scene.names, scene.fixed), _shares(scene, points), _up(scene)
+        paints = colours | _paints(taken or photo_of(scene))
         whole = whole_surfaces(scene) if scene.up is not None and len(scene.viewpoints) else {}
         objects = tuple(
-            _drawn(name, cloud, whole.get(name), (colours[name], name in scene.fixed), shares[name], up)
+            _drawn(
+                name,
+                cloud,
+                whole.get(name),
+                (colours[name], paints[name], name in scene.fixed),
+                shares[name],
+                up,
+            )
             for name, cloud in scene.clouds.items()
         )
+        if len(scene.matter):
+            grey = (FIXED_COLOUR, FIXED_COLOUR, True)
+            objects += (_drawn("unnamed matter", scene.matter, None, grey, LIMITS.least_points * 10, up),)
         # of what is movable, since a table may be metres wide; of everything where nothing is
         chosen = [drawn for drawn in objects if not drawn.fixed] or list(objects)
         corners = np.concatenate([drawn.corners for drawn in chosen])
@@ -82,7 +101,7 @@ class Drawing:
 
     def beside(self, name: str, points: FloatArray) -> "Drawing":
         """The same with something fixed in it that is in no cloud, by points (N, 3) of it."""
-        drawn = _drawn(name, points, None, (FIXED_COLOUR, True), len(points), self.up)
+        drawn = _drawn(name, points, None, (FIXED_COLOUR, FIXED_COLOUR, True), len(points), self.up)
         return replace(self, objects=(*self.objects, drawn))
 
     @property
@@ -152,6 +171,31 @@ def _line(pair: Mapping[str, Any], index: Mapping[str, int]) -> dict[str, Any] |
     }
 
 
+def photo_of(scene: Scene) -> Photo | None:
+    """The first colour image that a scene came with."""
+    for image in scene.images:
+        if image.rgb is not None:
+            numbers = [int(number) for number in np.unique(image.label) if number > 0]
+            return Photo(image.rgb, image.label, {number: image.name_of(number) for number in numbers})
+    return None
+
+
+def _paints(shown: Photo | None) -> dict[str, Colour]:
+    """Mean colours of the masks in a photo, by name."""
+    if shown is None:
+        return {}
+    label = shown.label.ravel()
+    numbers, places, counts = np.unique(label, return_inverse=True, return_counts=True)
+    sums = [np.bincount(places.ravel(), shown.rgb[..., axis].ravel()) for axis in range(3)]
+    means = np.stack(sums, axis=1) / counts[:, None]
+    named = [place for place, number in enumerate(numbers.tolist()) if number in shown.names]
+    bright = np.maximum(means.max(axis=1), 1.0)
+    gain = np.clip(LIMITS.exposed / max(float(np.mean(bright[named])), 1.0), 1.0, 2.0) if named else 1.0
+    gains = np.maximum(gain, np.minimum(LIMITS.exposed / 2 / bright, 2.0))  # in the shade of a shelf, too
+    rounded = np.minimum(gains[:, None] * means, 255.0).round().astype(int).tolist()
+    return {shown.names[int(numbers[at])]: (rounded[at][0], rounded[at][1], rounded[at][2]) for at in named}
+
+
 def _shares(scene: Scene, points: int) -> Mapping[str, int]:
     """Points each object may keep: equal shares of the budget; what small clouds leave goes to others."""
     shares: dict[str, int] = {}
@@ -168,14 +212,14 @@ def _drawn(
     name: str,
     cloud: FloatArray,
     whole: FloatArray | None,
-    paint: tuple[Colour, bool],
+    paint: tuple[Colour, Colour, bool],
     share: int,
     up: FloatArray,
 ) -> DrawnObject:
     points = seen = clean(_thinned(cloud, share))
     if whole is not None and len(whole):
         hidden = whole[PointTree(cloud).query(whole)[0] > LIMITS.guessed]
-        points = np.concatenate([seen, _thinned(hidden, share)]) if len(hidden) else seen
+        points = np.concatenate([seen, _thinned(hidden, share // 2)]) if len(hidden) else seen
     mesh: Any = Trimesh(*outline(cloud), process=False)
     corners = mesh.vertices.view(np.ndarray)
     edges = mesh.face_adjacency_edges[mesh.face_adjacency_angles > np.radians(LIMITS.crease)]
@@ -199,7 +243,7 @@ def _spacing_and_normals(points: FloatArray) -> tuple[float, FloatArray]:
     if near < 3:
         return 0.003, np.tile([0.0, 0.0, 1.0], (len(points), 1))
     distance, neighbours = PointTree(points).query(points, k=near)
-    spacing = float(np.clip(np.median(distance[:, min(3, near - 1)]), 5e-4, 0.02))
+    spacing = float(np.clip(np.median(distance[:, min(3, near - 1)]), 5e-4, LIMITS.widest))
     return spacing, patch_planes(points[np.asarray(neighbours)])[1]
 
 
@@ -237,6 +281,7 @@ def _object_json(drawn: DrawnObject) -> dict[str, Any]:
         "name": drawn.name,
         "colour": css(drawn.colour),
         "ink": css(ink_on(drawn.colour)),
+        "paint": css(drawn.paint),
         "fixed": drawn.fixed,
         "lower": [float(value) for value in lower],
         "step": step,

@@ -36,6 +36,9 @@ LAYER = 88.0  # from the middle of a layer to that of the next [px]
 MARGIN = 8.0  # white around the drawing [px]
 LETTER = 7.4  # width of a letter at 13 px in the fonts in use; widths of boxes and labels follow from it [px]
 BEND = 10.0  # width that an arrow takes in a layer that it passes [px]
+PARTS = (
+    0.5 + np.array([0, *(side * part for part in range(1, 23) for side in (-1, 1))]) / 48
+)  # of an arrow, to label
 SWEEPS = 6  # times that every layer is sorted: more change nothing on graphs of twenty objects
 STYLE = (
     "text{font:13px Helvetica,Arial,'DejaVu Sans',sans-serif;fill:#111;text-anchor:middle}"
@@ -53,7 +56,7 @@ class DrawnGraph:
     height: float
     boxes: Mapping[str, Box]
     routes: Mapping[Edge, Sequence[Point]]  # along each arrow, from the rim of one box to that of the other
-    labels: Mapping[Edge, Point]  # centre of an arrow's label; absent where no room was left
+    labels: Mapping[Edge, Point]  # centre of each arrow's label
     places: Mapping[str, int]  # in the order, from 1; absent for objects that stay
     reasons: Mapping[Edge, tuple[str, ...]]  # of each arrow (first, then)
     confidence: Mapping[Edge, float]  # the highest of these
@@ -198,9 +201,10 @@ def _part(
         for knot in layer
     }
     routes = {edge: _route([centres[knot] for knot in chain], wide, edge) for edge, chain in chains.items()}
+    rim = max(centres[name][0] + wide[name] / 2 for name in graph)
     for turn, (a, b) in enumerate(back):
         (start, y), (end, v) = ((centres[n][0] + wide[n] / 2, centres[n][1] + 5.0) for n in (a, b))
-        side = max(start, end) + 26.0 + 12.0 * turn  # back up, around the right of both
+        side = rim + 26.0 + 12.0 * turn  # back up, around the right of all
         routes[a, b] = [(start, y), (side, y), (side, v), (end, v)]
     return centres, routes
 
@@ -243,18 +247,24 @@ def _label_places(
     reasons: Mapping[Edge, tuple[str, ...]],
     boxes: Mapping[str, Box],
 ) -> dict[Edge, Point]:
-    """Put each label on its arrow where it covers no box and no other label."""
-    taken = [(x, y, width, HIGH) for x, y, width in boxes.values()]
+    """Put each label on its arrow where it covers no box, and as few other labels as can be."""
+    taken = [(x, y, width, HIGH, len(routes)) for x, y, width in boxes.values()]
     labels: dict[Edge, Point] = {}
     for edge, route in routes.items():
-        width, high = len(_label(reasons[edge])) * LETTER + 8.0, 14.0
-        for part in (0.5, 0.35, 0.65, 0.2, 0.8):
-            x, y = _along(route, part)
-            if all(abs(x - u) > (width + w) / 2 or abs(y - v) > (high + h) / 2 for u, v, w, h in taken):
-                labels[edge] = x, y
-                taken.append((x, y, width, high))
-                break
+        size = len(_label(reasons[edge])) * LETTER + 8.0, 14.0
+        spots = [_along(route, part) for part in PARTS]
+        labels[edge] = spots[int(np.argmin([_covered(spot, size, taken) for spot in spots]))]
+        taken.append((*labels[edge], *size, 1))
     return labels
+
+
+def _covered(at: Point, size: Point, taken: Sequence[tuple[float, float, float, float, int]]) -> int:
+    """How much of what is drawn a label would cover."""
+    return sum(
+        weight
+        for x, y, width, high, weight in taken
+        if abs(at[0] - x) <= (size[0] + width) / 2 and abs(at[1] - y) <= (size[1] + high) / 2
+    )
 
 
 def _along(route: Sequence[Point], part: float) -> Point:

@@ -68,7 +68,10 @@ def view_page(
         arm: What `played.arm_shape` gave, where the view has a motion.
         compact: Without margins and in smaller letters, for a notebook's cell.
     """
-    data, scripts = {"views": [view], "arm": arm}, ("viewer.js", "motion.js", "page.js", "show.js")
+    data, scripts = (
+        {"views": [view], "arm": arm},
+        ("light.js", "viewer.js", "motion.js", "page.js", "show.js"),
+    )
     return page(title, head + columns(viewer(0, view) + sides[0], sides[1]), data, scripts, compact=compact)
 
 
@@ -83,8 +86,8 @@ def beside(left: str, right: str) -> str:
 
 
 def glance(photo: str, words: str, graph: str) -> str:
-    """What is read first: the photo beside words and graph, or the words beside the graph without one."""
-    return beside(photo, words + graph) if photo else beside(words, graph)
+    """What is read first: photo and words beside the graph; nothing where there is none of them."""
+    return beside(photo + words, graph) if photo or words or graph else ""
 
 
 def table(headings: Sequence[str], rows: str, *, numbers: Collection[str] = ()) -> str:

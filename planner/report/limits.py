@@ -11,7 +11,7 @@ class Limits:
     cell_points: int = 20_000  # of a notebook's cell: 0.2 MB, so that a notebook of fifty stays small
     picture_points: int = 20_000  # of a moving picture: a third of a page's, there are thirty
     live_points: int = 150_000  # of a live page: what a laptop's graphics draw at once
-    run_points: int = 75_000  # of a whole run, shared by its steps: a page of five steps stays below 1.5 MB
+    run_points: int = 40_000  # of a whole run, shared by its steps: a page of ten steps stays below 1.5 MB
     least_points: int = 150  # of an object, however many share the budget: fewer look like no surface
     fixed_share: float = 0.3  # of the points, that tables and shelves may take together
     finest: float = 0.0025  # [m] cells in which noise is averaged away; a spoon still has a rim
@@ -23,8 +23,11 @@ class Limits:
     crease: float = 3.0  # [degrees] between facets whose edge is drawn
     graph_edges: int = 60  # arrows above which a graph shows its transitive reduction, and says so
     matrix: int = 20  # objects up to which a page has the square of relations: a column wide
+    arm_triangles: int = 3500  # of an arm, most of which are used: some 50 kB, once a page
+    exposed: float = 150.0  # mean over objects of their brightest channel: darker photos are lightened
+    widest: float = 0.05  # [m] between points of a surface: those of a table that shares few with many
     rows: int = 40  # of a live table of relations: more push the sliders out of sight
-    path_points: int = 200  # of a drawn tool path
+    path_points: int = 80  # of a drawn tool path
 
 
 LIMITS = Limits()

@@ -1,19 +1,25 @@
 """What a camera saw, with the mask of every object outlined and named."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from html import escape
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from topple.planner.decide.words import ordinal, places, shortened
-from topple.planner.formats.pictures import jpeg
-from topple.planner.report.drawing import Document, Drawing
+from topple.planner.formats.pictures import Pixels, jpeg, png
+from topple.planner.report.drawing import Document, Drawing, photo_of
 from topple.planner.report.palette import Colour, css, ink_on
 from topple.topology.base.arrays import BoolArray
 from topple.topology.scene.scene import Scene
 from topple.topology.views.image import Photo
+
+_Kind = TypeVar("_Kind", bound=np.generic)
+Box = tuple[float, float, float, float]  # top, bottom, left and right of a part of a picture, as shares of it
 
 _TINT = 0.22
 """Share of an object's colour within its mask: enough to tell masks apart, and the photo stays a photo."""
@@ -22,67 +28,95 @@ _PLACES = 300  # places of a mask that are tried for its name
 _LEAST = 0.5  # share of the photo's width and height that is shown at least
 
 
-def photo(scene: Scene, drawing: Drawing, order: Document | None, taken: Photo | None = None) -> str:
-    """Show a photo with its masks in the colours of the drawing, as HTML; nothing where there is none.
+def photo(scene: Scene, drawing: Drawing, order: Document | None) -> str:
+    """Show the photo that a scene came with and its masks in the colours of the drawing, as HTML; or nothing.
 
     Args:
         scene: The scene; its first colour image is shown.
         drawing: The scene as it is drawn.
         order: A `topple.order` document, for the places of objects in it; or None.
-        taken: A photo that was taken for people; shown in place of the scene's own.
     """
-    shown, index, place = taken or _first(scene), drawing.index, {} if order is None else places(order)
-    if shown is None:
+    if (shown := photo_of(scene)) is None:
         return ""
-    names = {n: name for n, name in shown.names.items() if name in index and name not in scene.fixed}
-    masks = np.isin(shown.label, list(names))
-    crop = _around(masks) if taken is None and masks.any() else (slice(None), slice(None))
-    label, pixels = shown.label[crop], shown.rgb[crop].astype(np.float64)
-    height, width = label.shape
-    line = max(1, round(_LINE * width))
-    doubted = {name for wrong in scene.wrong_masks for name in wrong.names}
-    marks, placed = "", list[tuple[float, float]]()
-    for number, name in names.items():
-        mask, colour = label == number, drawing.colours[name]
-        if not mask.any():
-            continue
-        pixels[mask] += (colour - pixels[mask]) * _TINT
-        wide = 4 * line if name in doubted else line  # it shows beside the others
-        inside = np.asarray(binary_erosion(mask, iterations=wide, border_value=1), dtype=np.bool_)
-        pixels[mask & ~inside] = colour
-        placed.append(_clear(mask, placed))
-        marks += _chip(name, colour, index[name], place.get(name), placed[-1])
-    source = base64.b64encode(jpeg(pixels.clip(0, 255).astype(np.uint8))).decode("ascii")
-    told = ", and before it the place in the order" if place else ""
-    said = "".join(f" Wide outline: {escape(str(wrong))}." for wrong in scene.wrong_masks)
+    box = around([shown], scene.fixed)
+    pixels = cut(shown.rgb, box)
+    height, width = pixels.shape[:2]
+    image = f'<img src="{jpeg_url(pixels)}" alt="what the camera saw" width="{width}" height="{height}">'
+    return photo_figure(image, masks(shown, box, scene, drawing, order), said_of_masks(scene, order))
+
+
+def photo_figure(image: str, over: str, words: str, slider: str = "") -> str:
+    """A picture with what lies over it, and words and a slider below."""
     return (
-        f'<figure class="photo"><div class="stage"><img src="data:image/jpeg;base64,{source}" '
-        f'alt="what the camera saw, masks outlined" width="{width}" height="{height}">{marks}</div>'
-        f'<figcaption class="note">What the camera saw: a colour for each mask, its name{told}.'
-        f"{said}</figcaption></figure>"
+        f'<figure class="photo"><div class="stage">{image}{over}</div>{slider}'
+        f'<figcaption class="note">{words}</figcaption></figure>'
     )
 
 
-def _first(scene: Scene) -> Photo | None:
-    """The first colour image that a scene came with."""
-    for image in scene.images:
-        if image.rgb is not None:
-            numbers = [int(number) for number in np.unique(image.label) if number > 0]
-            return Photo(image.rgb, image.label, {number: image.name_of(number) for number in numbers})
-    return None
+def said_of_masks(scene: Scene, order: Document | None) -> str:
+    """What the colours and numbers on a photo are, and which masks are wrong."""
+    told = ", and before it the place in the order" if order and places(order) else ""
+    said = "".join(f" Wide outline: {escape(str(wrong))}." for wrong in scene.wrong_masks)
+    return f"What the camera saw: a colour for each mask, its name{told}.{said}"
 
 
-def _around(masks: BoolArray) -> tuple[slice, slice]:
-    """The part of the photo about all masks, shaped like it, and not so small that its pixels show."""
-    spans = [np.nonzero(masks.any(axis=axis))[0][[0, -1]] for axis in (1, 0)]
-    shares = [(last - first) / size for (first, last), size in zip(spans, masks.shape, strict=True)]
-    share = min(max(1.4 * max(shares), _LEAST), 1.0)
-    lengths = [round(share * size) for size in masks.shape]
-    starts = [
-        int(np.clip((first + last - length) // 2, 0, size - length))
-        for (first, last), size, length in zip(spans, masks.shape, lengths, strict=True)
+def jpeg_url(pixels: Pixels) -> str:
+    """A picture (H, W, 3) as the address of a JPEG file."""
+    return f"data:image/jpeg;base64,{base64.b64encode(jpeg(pixels)).decode('ascii')}"
+
+
+def cut(pixels: NDArray[_Kind], box: Box) -> NDArray[_Kind]:
+    """A part of a picture (H, W, ...)."""
+    (height, width), (top, bottom, left, right) = pixels.shape[:2], box
+    return pixels[round(top * height) : round(bottom * height), round(left * width) : round(right * width)]
+
+
+def masks(shown: Photo, box: Box, scene: Scene, drawing: Drawing, order: Document | None) -> str:
+    """The masks in a part of a photo, outlined and named, as HTML to lie over it."""
+    index, place = drawing.index, {} if order is None else places(order)
+    label = cut(shown.label, box)
+    height, width = label.shape
+    line = max(1, round(_LINE * width))
+    over = np.zeros((height, width, 4), dtype=np.uint8)
+    doubted = {name for wrong in scene.wrong_masks for name in wrong.names}
+    marks, placed = "", list[tuple[float, float]]()
+    for number, name in shown.names.items():
+        mask = label == number
+        if name not in index or name in scene.fixed or not mask.any():
+            continue
+        colour = drawing.colours[name]
+        wide = 4 * line if name in doubted else line  # it shows beside the others
+        inside = np.asarray(binary_erosion(mask, iterations=wide, border_value=1), dtype=np.bool_)
+        over[mask] = (*colour, 255)
+        over[inside, 3] = round(255 * _TINT)
+        placed.append(_clear(mask, placed))
+        marks += _chip(name, colour, index[name], place.get(name), placed[-1])
+    source = base64.b64encode(png(Image.fromarray(over))).decode("ascii")
+    return f'<img class="over" src="data:image/png;base64,{source}" alt="masks, outlined">{marks}'
+
+
+def around(photos: Iterable[Photo], fixed: Collection[str]) -> Box:
+    """The part of one camera's photos about all masks of what can be taken, not so small that pixels show."""
+    found = [
+        np.isin(shown.label, [number for number, name in shown.names.items() if name not in fixed])
+        for shown in photos
     ]
-    return slice(starts[0], starts[0] + lengths[0]), slice(starts[1], starts[1] + lengths[1])
+    spans = [
+        np.array(
+            [
+                np.nonzero(mask.any(axis=axis))[0][[0, -1]] / mask.shape[1 - axis]
+                for mask in found
+                if mask.any()
+            ]
+        )
+        for axis in (1, 0)
+    ]
+    if not len(spans[0]):
+        return 0.0, 1.0, 0.0, 1.0
+    ends = [(float(each[:, 0].min()), float(each[:, 1].max())) for each in spans]
+    share = min(max(1.4 * max(last - first for first, last in ends), _LEAST), 1.0)
+    starts = [min(max((first + last - share) / 2, 0.0), 1.0 - share) for first, last in ends]
+    return starts[0], starts[0] + share, starts[1], starts[1] + share
 
 
 def _clear(mask: BoolArray, taken: Sequence[tuple[float, float]]) -> tuple[float, float]:

@@ -51,6 +51,11 @@ def plan_page(
 
     Raises:
         InvalidInput: The plan names what is not in the scene, or its arm is not here.
+
+    Examples:
+        >>> made = plan(scene, "free cup", "panda", check=False)
+        >>> plan_page(made, scene)[:15]
+        '<!doctype html>'
     """
     scene = as_scene(scene)
     if relations is None:
@@ -67,7 +72,7 @@ def plan_page(
         if thing.name in BODIES.values():  # stood there for the plan: cameras saw none of it
             parts = [np.array(part) for part in thing.parts]
             drawing = drawing.beside(thing.name, sampled(parts, LIMITS.parts))
-    shape, motion, order, bands, told = arm_shape(arm.parts), plan_motion(plan, arm), order_of(plan), [], None
+    shape, motion, order, bands, told = arm_shape(arm), plan_motion(plan, arm), order_of(plan), [], None
     if motion is not None:
         ends = [float(motion.times[last]) for last in motion.ends]
         named = enumerate(zip(plan.steps, [0.0, *ends], ends, strict=False), start=1)

@@ -9,35 +9,43 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.planner.formats.arm_motion import ArmMotion
-from topple.planner.report.drawing import outline
+from topple.planner.report.drawing import Document
 from topple.planner.report.html import Span
-from topple.topology.base.arrays import FloatArray
+from topple.planner.report.limits import LIMITS
+from topple.planner.report.palette import css
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.looks import looks
+from topple.topology.base.arrays import FloatArray, IntArray
 
 STEP = 1e-4  # lengths are whole multiples of this [m]: 16 bits reach 3.2 m either way
 TURN = 32767  # parts of a quaternion are whole multiples of its inverse
 
 
-def arm_shape(parts: Sequence[Sequence[FloatArray]]) -> list[dict[str, Any]]:
-    """Number, vertices in steps and triangles of each link that has a shape, ready for JSON.
+def arm_shape(arm: Arm | None) -> Document:
+    """How an arm looks, ready for JSON.
 
-    Args:
-        parts: Per link the (V, 3) vertices of its convex parts in the link frame [m].
+    Returns:
+        Numbers of the `links` that are drawn, and their `parts`: each with its link's place among those, its
+        colour, vertices in steps in the link's frame, and triangles.
     """
-    from trimesh import Trimesh
-    from trimesh.util import concatenate
-
-    links: list[dict[str, Any]] = []
-    for number, link in enumerate(parts):
-        if link:
-            whole: Any = concatenate([Trimesh(*outline(part), process=False) for part in link])
-            faces = whole.faces.ravel().tolist()
-            links.append({"link": number, "vertices": _packed(whole.vertices / STEP), "faces": faces})
-    return links
+    seen = [] if arm is None else looks(arm, LIMITS.arm_triangles)
+    drawn = [number for number, parts in enumerate(seen) if parts]
+    parts = [
+        {
+            "at": at,
+            "colour": css(look.colour),
+            "vertices": _packed(look.vertices / STEP),
+            "faces": _packed(look.faces.ravel()),
+        }
+        for at, number in enumerate(drawn)
+        for look in seen[number]
+    ]
+    return {"links": drawn, "parts": parts}
 
 
 def motion_json(
     motion: ArmMotion,
-    shape: Sequence[Mapping[str, Any]],
+    shape: Document,
     index: Mapping[str, int],
     centre: FloatArray,
     bands: Sequence[Span] | None = None,
@@ -51,14 +59,14 @@ def motion_json(
         centre: (3,) what positions are counted from [m].
         bands: What the time line is divided into; what the arm does one after the other where None.
     """
-    chosen = [link["link"] for link in shape]
     carried = {index[name]: poses for name, poses in motion.carried.items() if name in index}
     return {
         "times": [round(float(time), 3) for time in motion.times],
         "spans": spans(motion),
         "bands": spans(motion) if bands is None else list(bands),
         "centre": [round(float(value), 5) for value in centre],
-        "links": _poses(motion.links[:, chosen], centre),
+        "links": _poses(motion.links[:, shape["links"]], centre),
+        "beside": _poses(motion.beside[shape["links"]], centre) if len(motion.beside) else None,
         # moved about the centre, so that turns far from the origin stay small steps
         "carried": [
             {"object": number, "poses": _poses(poses, centre - poses[:, :3, :3] @ centre)}
@@ -81,5 +89,5 @@ def _poses(poses: FloatArray, centre: FloatArray) -> str:
     return _packed(np.concatenate([places, turns * TURN], axis=1))
 
 
-def _packed(values: FloatArray) -> str:
+def _packed(values: FloatArray | IntArray) -> str:
     return base64.b64encode(np.round(values).clip(-TURN, TURN).astype("<i2").tobytes()).decode("ascii")

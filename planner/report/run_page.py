@@ -1,22 +1,22 @@
 """The page of a closed-loop run: a timeline, and for each step what was seen, done and disturbed."""
 
-import base64
 import math
 from html import escape
 from typing import Any
 
 from topple.planner.decide.words import counted, millimetres, sentence
-from topple.planner.formats.pictures import as_jpeg
+from topple.planner.formats.pictures import picture, pixels_of
 from topple.planner.formats.run_record import RunRecord, StepRecord
-from topple.planner.report.drawing import Drawing, view_data
-from topple.planner.report.html import beside, bullets, folded, page, plain_table, table, viewer
+from topple.planner.report.drawing import Drawing, photo_of, view_data
+from topple.planner.report.html import beside, bullets, folded, glance, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.photo import photo
+from topple.planner.report.photo import around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section
 from topple.planner.report.tables import order_list, relation_changes, relation_table
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.topology.base.arguments import checked_arguments
+from topple.topology.views.image import Photo
 
 
 @checked_arguments
@@ -30,6 +30,10 @@ def run_page(
         points: Points that may be drawn in all.
         photos: Whether what the cameras saw is shown.
         compact: Without margins, for a notebook's cell.
+
+    Examples:
+        >>> "Plate freed" in run_page(RunRecord("free plate", "panda", 0, success=True))
+        True
     """
     return _RunPage(record, points, photos).build(compact)
 
@@ -42,16 +46,19 @@ class _RunPage:
         self.pictures: dict[bytes, int] = {}
         self.views: list[dict[str, Any]] = []
         scenes = sum(step.scene is not None for step in record.steps) + (record.scene is not None)
-        self.arm = arm_shape(record.arm_parts)
+        self.arm = arm_shape(record.arm)
         self.points = min(LIMITS.page_points, points // max(scenes, 1))
+        shown = [_shown(step) for step in record.steps]
+        fixed = frozenset[str]().union(*(step.scene.fixed for step in record.steps if step.scene is not None))
+        self.box = around([one for one in shown if one is not None], fixed)  # one for all: they compare
 
     def build(self, compact: bool) -> str:
         record = self.record
         sections = [self.step(number, step) for number, step in enumerate(record.steps, start=1)]
         body = _head(record) + _timeline(record) + f"<main>{''.join(sections)}{self.end()}</main>"
-        pictures = [base64.b64encode(as_jpeg(data)).decode("ascii") for data in self.pictures]
+        pictures = [jpeg_url(cut(pixels_of(data), self.box)) for data in self.pictures]
         data = {"views": self.views, "pictures": pictures, "arm": self.arm}
-        scripts = ["viewer.js", "motion.js", "page.js", "run.js"]
+        scripts = ["light.js", "viewer.js", "motion.js", "page.js", "run.js"]
         return page(f"topple: {record.goal}", body, data, scripts, compact=compact)
 
     def step(self, number: int, step: StepRecord) -> str:
@@ -59,9 +66,10 @@ class _RunPage:
         html = _turns(f"Step {number} of {len(self.record.steps)}: {deed}")
         html += f"<p>{escape(sentence(step.reason))}</p>" if step.reason else ""
         html += bullets([sentence(text) for text in step.events])
-        drawing = None if step.scene is None else Drawing.of(step.scene, self.points)
-        html += self.picture_pair(step, drawing) + self.ordered(drawing, step)
-        html += _facts(step) + beside(_disturbed(step), _predictions(step))
+        drawing = None if step.scene is None else Drawing.of(step.scene, self.points, step.photo)
+        words, graph = self.ordered(drawing, step)
+        done = _facts(step) + beside(_disturbed(step), _predictions(step))
+        html += glance(self.photographed(step, drawing), words, graph + done)
         html += self.seen(drawing, step, "Seen before this step, and what the arm did")
         return f'<section class="step">{html}</section>'
 
@@ -72,36 +80,47 @@ class _RunPage:
             html += '<h2 class="bad">Violations</h2>' + bullets(record.violations)
         html += "<h2>Notes</h2>" + bullets(record.notes) if record.notes else ""
         drawing = None if record.scene is None else Drawing.of(record.scene, self.points)
-        html += self.ordered(drawing, record) + self.seen(drawing, record, "Seen at the end")
+        last = record.steps[-1].picture_after if record.steps else None
+        html += glance(
+            self.compared(last, "", record.wanted, ("at the end", "as wanted")),
+            *self.ordered(drawing, record),
+        )
+        html += self.seen(drawing, record, "Seen at the end")
         return f'<section class="step">{html}</section>'
 
-    def picture_pair(self, step: StepRecord, drawing: Drawing | None) -> str:
+    def photographed(self, step: StepRecord, drawing: Drawing | None) -> str:
         """What a camera saw before, its masks outlined, and after."""
-        if not self.photos:
-            return ""
-        before = ""
-        if drawing is not None and step.scene is not None:
-            before = photo(step.scene, drawing, step.order, step.photo)
-        shown = (before or self.plain(step.picture_before, "before")) + self.plain(
-            step.picture_after, "after"
-        )
-        return f'<div class="pictures">{shown}</div>' if shown else ""
+        shown, before, marks, words = _shown(step), step.picture_before, "", ""
+        if drawing is not None and step.scene is not None and shown is not None:
+            marks = masks(shown, self.box, step.scene, drawing, step.order)
+            words = said_of_masks(step.scene, step.order)
+            before = before or picture(shown.rgb)
+        return self.compared(before, marks, step.picture_after, ("before", "after"), words)
 
-    def plain(self, data: bytes | None, when: str) -> str:
-        if not data:
+    def compared(
+        self, first: bytes | None, marks: str, then: bytes | None, when: tuple[str, str], words: str = ""
+    ) -> str:
+        """Two pictures of one camera, one over the other, and a slider between them."""
+        shown = [(data, word) for data, word in zip((first, then), when, strict=True) if data and self.photos]
+        images = []
+        for place, (data, word) in enumerate(shown):
+            number = self.pictures.setdefault(data, len(self.pictures))  # one may serve two steps
+            kind = ' class="over after"' if place else ""
+            images.append(f'<img{kind} data-picture="{number}" alt="camera, {word}">')
+        if not images:
             return ""
-        number = self.pictures.setdefault(data, len(self.pictures))  # one may serve two steps
-        return (
-            f'<figure><img data-picture="{number}" alt="camera, {when}">'
-            f'<figcaption class="note">{when.capitalize()}</figcaption></figure>'
+        slider = (
+            f'<label class="cut"><span>{when[0]}</span><input type="range" min="0" max="100" value="100" '
+            f'aria-label="how much of the picture is {when[0]}"><span>{when[1]}</span></label>'
         )
+        return photo_figure(images[0], marks + "".join(images[1:]), words, slider if len(images) > 1 else "")
 
-    def ordered(self, drawing: Drawing | None, moment: StepRecord | RunRecord) -> str:
-        """The order from a moment on beside its graph."""
+    def ordered(self, drawing: Drawing | None, moment: StepRecord | RunRecord) -> tuple[str, str]:
+        """The order from a moment on, and its graph."""
         if moment.scene is None or drawing is None or moment.order is None:
-            return ""
+            return "", ""
         words = "<h2>Order from here</h2>" + order_list(moment.order, drawing.index)
-        return beside(words, dependency_section(moment.scene, drawing, moment.order))
+        return words, dependency_section(moment.scene, drawing, moment.order)
 
     def seen(self, drawing: Drawing | None, moment: StepRecord | RunRecord, title: str) -> str:
         """View and relations of one moment."""
@@ -109,12 +128,17 @@ class _RunPage:
         if drawing is None:
             return ""
         path = moment.tool_path if isinstance(moment, StepRecord) else None
-        motion = moment.motion if self.arm and isinstance(moment, StepRecord) else None
+        motion = moment.motion if self.record.arm and isinstance(moment, StepRecord) else None
         told = None if motion is None else motion_json(motion, self.arm, drawing.index, drawing.centre)
         self.views.append(view_data(drawing, relations or {}, order, path, told))
         html = f"<h2>{escape(title)}</h2>{viewer(len(self.views) - 1, self.views[-1])}"
         told = "" if relations is None else folded("Relations", relation_table(relations, drawing.index))
         return html + told
+
+
+def _shown(step: StepRecord) -> Photo | None:
+    """The photo of a step, with its masks."""
+    return step.photo or (None if step.scene is None else photo_of(step.scene))
 
 
 def _disturbed_by(step: StepRecord) -> list[str]:
@@ -179,20 +203,17 @@ def _moved(far: float, turn: float, between: str) -> str:
     return f"{millimetres(far)}{between}{math.degrees(turn):.1f}°"
 
 
-def _fell(drop: float, energy: float) -> str:
-    return f"{millimetres(drop)}, {energy:.2f} J"
-
-
 def _disturbed(step: StepRecord) -> str:
     """What moved or was hit and was not meant to, farthest first."""
     if not (names := _disturbed_by(step)):
         far, turn = (max((each[k] for each in step.disturbed.values()), default=0.0) for k in (0, 1))
         return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_moved(far, turn, ' and ')} at most.</p>"
+    fell = {name: f"{millimetres(drop)}, {energy:.2f} J" for name, (drop, energy) in step.severity.items()}
     rows = "".join(
         f'<tr class="bad"><td>{escape(name)}</td><td class=number>'
         f"{_moved(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
         f"<td class=number>{f'{step.forces[name]:.1f} N' if name in step.forces else ''}</td>"
-        f"<td class=number>{_fell(*step.severity[name]) if name in step.severity else ''}</td></tr>"
+        f"<td class=number>{fell.get(name, '')}</td></tr>"
         for name in names
     )
     measured = ("moved", "turned", "force", "fell by, with")

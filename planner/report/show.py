@@ -28,6 +28,10 @@ def show_page(
         relations: What `relate` found in it, or the JSON document of that.
         order: What `order` found, or the JSON document of that; None shows the relations alone.
         title: Title of the page; the number of objects where none is given.
+
+    Examples:
+        >>> "Take cup first" in show_page(scene, relate(scene), order(scene, "book"))
+        True
     """
     found, drawing = document(relations), Drawing.of(scene)
     planned = None if order is None else document(order)

@@ -140,6 +140,8 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
         ties = order.get("dependencies", ())
         lying = {(str(tie["then"]), str(tie["first"])): said(tie) for tie in ties}
         rows = "".join(f"<li>{_support(support, index, lying)}</li>" for support in supports)
+        weakest = min(supports, key=lambda support: float(support.get("confidence", 1.0)))
+        html += f'<p class="note">Weakest contact: {_support(weakest, index, lying)}.</p>'
         html += folded(f"What carries what ({len(supports)})", f"<ul>{rows}</ul>")
     if access := list(order.get("access") or ()):
         rows = "".join(
@@ -160,7 +162,7 @@ def _support(
     kind = WORDS[lying.get(names, kind) if kind == "leans" else kind]
     evidence = "inferred" if support.get("inferred", False) else "observed"
     sure = f"{evidence}, confidence {float(support.get('confidence', 1.0)):.2f}"
-    return f"{upper} {kind} {lower}{_aside(sure)}"
+    return f"{upper} {kind} {lower}{_aside(f'({sure})')}"
 
 
 def sentence_list(lines: Sequence[str], title: str) -> str:

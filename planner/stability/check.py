@@ -29,6 +29,11 @@ class ObjectCheck:
         by_friction: Whether it stands by friction alone.
         margins: What it withstands, where it stands and that is known.
         falls_with: What does not stand once it is taken.
+
+    Examples:
+        >>> found = check(scene).objects["book"]
+        >>> found.falls_with, round(found.margins.tilt, 2)
+        (('cup',), 0.46)
     """
 
     name: str
@@ -104,6 +109,10 @@ class StabilityCheck:
         objects: What was found of each object that can move, in the scene's order.
         exact: Whether meshes were checked as they are; else clouds, within what noise leaves open.
         assumptions: What was assumed.
+
+    Examples:
+        >>> check(scene).stands
+        True
     """
 
     objects: Mapping[str, ObjectCheck]
@@ -154,6 +163,11 @@ def check(scene: AnyScene | Situation, *, margins: bool = True) -> StabilityChec
 
     Raises:
         InvalidInput: The scene has no `up`, or nothing in it can move.
+
+    Examples:
+        >>> found = check(scene).objects["cup"]
+        >>> str(found.verdict), found.carried_by[0].name
+        ('stands', 'book')
     """
     situation = Situation.of(scene)
     if not situation.movable:

@@ -25,6 +25,10 @@ class ToolState:
     Attributes:
         opening: Distance between the finger pads in [m].
         cup_extension: How far the suction cup is pushed out of the palm in [m].
+
+    Examples:
+        >>> ToolState(opening=0.08)
+        ToolState(opening=0.08, cup_extension=0.0)
     """
 
     opening: float = 0.0

@@ -186,3 +186,15 @@ USUAL_REACH = 0.9
 
 SMALL_REACH = 0.6
 """[m] below which they are scaled down: arms that teach reach 0.3 to 0.5."""
+
+BARE = (190, 196, 206)
+"""Colour of a link that nobody gave one: a light grey, on which a light shows its form."""
+
+DARKEST = 48
+"""Least red, green and blue of a link as it is drawn: a black one would be a silhouette."""
+
+SCREWS = 0.01
+"""Share of a link's surface from which a part of it is drawn."""
+
+FINEST = 4
+"""Cells more along a drawn part than the root of its triangles: from there on ever fewer are tried."""

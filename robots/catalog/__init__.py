@@ -71,6 +71,11 @@ def robot(
     Raises:
         InvalidInput: If the name is unknown (the message lists the known ones), a file cannot be used, or a
             gripper is given with an arm that has its own.
+
+    Examples:
+        >>> arm = robot("panda")
+        >>> arm.links[0], len(arm.home)
+        ('panda_link0', 7)
     """
     if str(name) in ROBOTS:
         if gripper is not None:

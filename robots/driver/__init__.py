@@ -37,6 +37,11 @@ class Driver(Protocol):
     """An arm with its hand.
 
     Every method returns when what it asks for is done, or cannot be done. Forces are in [N], lengths in [m].
+
+    Examples:
+        >>> with World() as world:
+        ...     isinstance(SimulatedArm(world, robot("panda"), np.eye(4)), Driver)
+        True
     """
 
     @property

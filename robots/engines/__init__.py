@@ -57,6 +57,11 @@ def new_world() -> "PhysicalWorld":
 
     Raises:
         NotInstalled: The engine is not installed.
+
+    Examples:
+        >>> with new_world() as world:
+        ...     world.names
+        ()
     """
     return _world_of(_CHOSEN.get())
 
@@ -101,6 +106,11 @@ def arm_in(
 
     Raises:
         InvalidInput: It is no such world, or its engine does not simulate two arms.
+
+    Examples:
+        >>> with new_world() as world:
+        ...     arm_in(world, robot("panda"), np.eye(4)).holding
+        False
     """
     if getattr(world, "engine", None) == MUJOCO:
         from topple.robots.mujoco.acting import MujocoArm

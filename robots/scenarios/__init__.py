@@ -4,7 +4,6 @@ import sys
 from collections.abc import Callable
 from functools import partial
 
-from topple.robots.engines import DEFAULT_ENGINE, playing_on
 from topple.robots.scenarios.dishes import dishes
 from topple.robots.scenarios.hold import hold
 from topple.robots.scenarios.lemon import lemon_in_bowl
@@ -41,7 +40,7 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
 
 __all__ = [
     "SCENARIOS", "Scenario", "described", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack",
-    "scenario_called", "set_table", "shelf", "sort", "swap", "tower",
+    "set_table", "shelf", "sort", "swap", "tower",
 ]  # fmt: skip
 
 
@@ -54,23 +53,3 @@ def described(name: str) -> str:
     made = SCENARIOS[name]
     function = made.args[-1] if isinstance(made, partial) else made  # another package's, and topple's own
     return (sys.modules[function.__module__].__doc__ or "").partition("\n")[0]
-
-
-def scenario_called(name: str, seed: int = 0, engine: str = DEFAULT_ENGINE) -> Scenario:
-    """Make a scene by its name.
-
-    Args:
-        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, shelf, or one that
-            another package adds.
-        seed: Any number; the same one gives the same scene on the same engine.
-        engine: What it is played on, one of `topple.robots.engines.ENGINES`.
-
-    Returns:
-        The settled scene with its task.
-
-    Raises:
-        InvalidInput: If there is no such scene or engine.
-        NotInstalled: If the engine is not installed.
-    """
-    with playing_on(engine):
-        return SCENARIOS[name](seed)

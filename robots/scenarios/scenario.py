@@ -173,7 +173,12 @@ def _made(
 
 @checked_arguments
 def around(target: tuple[float, float, float]) -> tuple[Camera, ...]:
-    """Three cameras around a place (3,) [m], looking down at it, the first one opposite the robot."""
+    """Three cameras around a place (3,) [m], looking down at it, the first one opposite the robot.
+
+    Examples:
+        >>> len(around((0, 0, 0)))
+        3
+    """
     angles = np.arange(CAMERAS) * (2 * np.pi / CAMERAS)
     return tuple(
         Camera.looking_at(

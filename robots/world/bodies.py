@@ -41,6 +41,10 @@ class Body:
 
     Raises:
         InvalidInput: If it has no part, or no positive mass.
+
+    Examples:
+        >>> round(Body.of("crate", [corners], density=400).mass, 3)
+        0.4
     """
 
     name: str

@@ -88,6 +88,10 @@ class Camera:
         farthest: Largest distance in [m] it sees.
         mask_noise: Standard deviation in pixels by which edges of masks are wrong; 0 for exact masks.
         masks_missing: Chance of an object that no mask shows it in a picture.
+
+    Examples:
+        >>> Camera.looking_at((1, 0, 1), (0, 0, 0)).width
+        640
     """
 
     width: int

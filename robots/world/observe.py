@@ -51,6 +51,12 @@ def scene_from_world(
     Raises:
         InvalidInput: If the world is empty, or there is none.
         UnknownObject: If `fixed` names something that is not there.
+
+    Examples:
+        >>> with World() as world:
+        ...     world.add(Body.of("crate", [corners]))
+        ...     scene_from_world(world.client, names={0: "crate"}).names
+        ('crate',)
     """
     called = bodies_in(client, names or {}, ignore)
     if not called:

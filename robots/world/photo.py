@@ -16,7 +16,7 @@ from topple.topology.geometry.rigid import transformed
 from topple.topology.views.image import Photo
 
 SIZE = (800, 600)
-"""Width and height [px]: half a page, at two pixels to one of the page on most screens."""
+"""Width and height [px]: half a page, at four pixels to three of the page."""
 FINE = 2
 """Rendered this many times larger: an edge has five shades."""
 ROOM = 1.5

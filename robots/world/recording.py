@@ -23,6 +23,14 @@ class Recording:
         links: For each sample name -> (4, 4) pose_link_to_world of every link of the arm and its hand.
         joints: For each sample (k,) values [rad] or [m] of every joint of the arm, then of its hand.
         constraints: For each sample what ties bodies together.
+
+    Examples:
+        >>> with World() as world:
+        ...     arm = SimulatedArm(world, robot("panda"), np.eye(4))
+        ...     taken = Recording(arm)
+        ...     arm.wait(0.1)
+        >>> len(taken.times)
+        7
     """
 
     robot: ActingArm

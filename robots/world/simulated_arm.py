@@ -34,6 +34,11 @@ class SimulatedArm(ActingArm):
         rng: Where the noise comes from; None: a generator seeded with 0.
         beside: Another arm in the same world. While one acts the other holds its targets, and what is called
             on the steps of one is called on those of both.
+
+    Examples:
+        >>> with World() as world:
+        ...     len(SimulatedArm(world, robot("panda"), np.eye(4)).q_target)
+        7
     """
 
     def __init__(

@@ -49,6 +49,11 @@ class World(PhysicalWorld):
     Attributes:
         client: PyBullet's number of the simulation; to be given to every call of PyBullet.
         robots: PyBullet's numbers of the robots.
+
+    Examples:
+        >>> with World() as world:
+        ...     world.names, world.time
+        ((), 0.0)
     """
 
     engine = "bullet"

@@ -12,7 +12,8 @@ from topple.benchmarks.episodes import Ending, Episode, copied
 from topple.benchmarks.journal import Journal
 from topple.benchmarks.versions import commit_now
 from topple.planner.execution.demo_seeds import FORMAT, SeedCount, counted, default_seed
-from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.robots import scenario
+from topple.robots.scenarios import SCENARIOS
 
 
 def _ending(seed: int, how: str = "success", used: float = 0.1) -> Ending:
@@ -40,7 +41,7 @@ def test_played_by_default_is_a_seed_that_succeeds_turned_a_degree_and_rougher_o
 
 
 def test_a_scene_is_played_turned_and_smoother_as_the_episode_says() -> None:
-    with scenario_called("swap", 0) as stage, copied(stage.world, Episode("swap", 0, turned=359.0)) as turned:
+    with scenario("swap", 0) as stage, copied(stage.world, Episode("swap", 0, turned=359.0)) as turned:
         smooth = copied(stage.world, Episode("swap", 0, friction=0.8))
         for name in stage.world.movable:
             here, there = stage.world.pose(name), turned.pose(name)

@@ -17,7 +17,8 @@ from topple.benchmarks.run import collected, endurance, fallback_rows, figures, 
 from topple.benchmarks.series import QUICK, Series
 from topple.benchmarks.versions import code_key, commit_now
 from topple.planner.decide.beliefs import Beliefs
-from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.robots import scenario
+from topple.robots.scenarios import SCENARIOS
 from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -137,7 +138,7 @@ def test_the_same_seeds_of_two_journals_are_paired(tmp_path: Path) -> None:
 @pytest.mark.slow  # every scene is built
 def test_scenes_that_are_rearranged_are_named() -> None:
     for name in SCENARIOS:
-        with scenario_called(name) as stage:
+        with scenario(name) as stage:
             assert (stage.finished is not None) == (name in REARRANGED), name
 
 

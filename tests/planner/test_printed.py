@@ -68,3 +68,15 @@ def test_a_run_comes_to_one_line(goal: str, violations: tuple[str], missing: tup
     record = RunRecord(goal, "panda", 0, not violations, violations, steps, missing=missing)
     assert record.summary == said
     assert str(record).splitlines()[1].split()[:3] == ["1", "cup", "remove"]
+
+
+def test_the_document_of_a_run_has_what_stopped_a_lift_and_what_came_in_unseen() -> None:
+    stopped = StepRecord("plate", "free", False, stopped_by={"cup": 0.00312})
+    found = RunRecord("free plate", "panda", 0, False, steps=(stopped, StepRecord("cup", "remove", True)))
+    assert found.to_json()["stops"] == [{"object": "plate", "moved": "cup", "mm": 3.1}]
+    assert [step["unseen"] for step in found.to_json()["steps"]] == [False, False]
+    fell = [StepRecord("cup", "remove", True, severity={"can": (drop, 2 * drop)}) for drop in (0.1, 0.3, 0.2)]
+    document = RunRecord("free plate", "panda", 0, False, steps=tuple(fell)).to_json()
+    assert document["severity"] == {"can": {"drop": 0.3, "energy": 0.6}}
+    unseen = StepRecord("cup", "remove", True, fallbacks=("unseen",))
+    assert unseen.to_json()["unseen"] is True

@@ -25,8 +25,9 @@ from topple.planner.planning.order import cautious, ordered
 from topple.planner.planning.plan import plan
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.step import ORDERERS
+from topple.robots import scenario
 from topple.robots.catalog import ROBOTS, names, robot
-from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.robots.scenarios import SCENARIOS
 from topple.robots.shapes.boxes import block, can
 from topple.topology import InvalidInput, load_scene
 from topple.topology.base.plugins import Table
@@ -177,14 +178,14 @@ def test_files_of_other_formats_are_read(tmp_path: Path) -> None:
 def test_an_arm_and_a_scene_of_another_package_are_known_by_name() -> None:
     arm = robot("kitchen-arm")
     assert arm.name == "kitchen-arm" and arm.tools and arm.catalog
-    with scenario_called("cups", 3) as stage:
+    with scenario("cups", 3) as stage:
         assert stage.goal == "free low" and set(stage.world.movable) == {"low", "high"}
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("kitchen")
 def test_an_arm_a_scene_an_orderer_and_an_exporter_of_another_package_plan_together() -> None:
-    with scenario_called("cups", 3) as stage:
+    with scenario("cups", 3) as stage:
         images = [eye.look(stage.world) for eye in stage.cameras]
         seen = Scene.from_images(images, fixed=stage.fixed, up=stage.up)
         base = stage.pose_base_to_world
@@ -282,7 +283,7 @@ def test_every_command_that_relates_and_orders_takes_both(
 def test_a_plan_is_written_in_the_format_of_another_package(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with scenario_called("cups", 3) as stage:
+    with scenario("cups", 3) as stage:
         seen = Scene.from_images([eye.look(stage.world) for eye in stage.cameras], fixed=stage.fixed)
         found = plan(seen.with_up([0, 0, 1]), stage.goal, "panda", base=stage.pose_base_to_world)
     (tmp_path / "plan.json").write_bytes(plan_to_json(found))

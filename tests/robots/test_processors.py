@@ -10,9 +10,9 @@ import pytest
 SEEN = """
 import hashlib
 from topple.benchmarks.plans import seen
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 for name, seed in (("dishes", 0), ("pile", 1)):
-    with scenario_called(name, seed) as stage:
+    with scenario(name, seed) as stage:
         clouds = seen(stage).clouds
     print(name, hashlib.sha256(b"".join(clouds[one].tobytes() for one in sorted(clouds))).hexdigest())
 """

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from topple.robots import scenario
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
-from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.robots.scenarios import SCENARIOS
 from topple.robots.scenarios.scenario import BASE, touching
 from topple.robots.scenarios.tolerances import LEANS
 from topple.robots.world.simulated_arm import SimulatedArm
@@ -18,8 +19,8 @@ from topple.topology.scene.scene import Scene
 )
 @pytest.mark.parametrize("seed", [1])
 def test_a_scene_stays_put_is_within_reach_and_seen(name: str, seed: int) -> None:
-    with scenario_called(name, seed) as scenario:
-        world = scenario.world
+    with scenario(name, seed) as made:
+        world = made.world
         before = world.poses()
         assert before
         world.step(240)
@@ -27,21 +28,21 @@ def test_a_scene_stays_put_is_within_reach_and_seen(name: str, seed: int) -> Non
             assert np.linalg.norm((pose - before[thing])[:3, 3]) < 2e-3
             assert 0.2 < np.linalg.norm(pose[:2, 3] - BASE[:2]) < 0.85
         rng = np.random.default_rng(0)
-        images = [camera.look(world, rng) for camera in scenario.cameras]
-        seen = Scene.from_images(images, fixed=scenario.fixed, up=scenario.up)
-        assert set(scenario.targets) <= set(seen.names)
-        assert set(scenario.fixed) <= set(world.fixed)
+        images = [camera.look(world, rng) for camera in made.cameras]
+        seen = Scene.from_images(images, fixed=made.fixed, up=made.up)
+        assert set(made.targets) <= set(seen.names)
+        assert set(made.fixed) <= set(world.fixed)
 
 
 @pytest.mark.slow
 def test_a_pile_does_not_fall_by_itself() -> None:
     # a layout of this seed stands on an edge, and falls in seconds
-    with scenario_called("pile", 614) as scenario:
-        SimulatedArm(scenario.world, robot(scenario.robot), scenario.pose_base_to_world)
-        before = scenario.world.poses()
+    with scenario("pile", 614) as made:
+        SimulatedArm(made.world, robot(made.robot), made.pose_base_to_world)
+        before = made.world.poses()
         assert len(before) > 3
-        scenario.world.step(1200)
-        for thing, pose in scenario.world.poses().items():
+        made.world.step(1200)
+        for thing, pose in made.world.poses().items():
             assert np.linalg.norm((pose - before[thing])[:3, 3]) < 2e-3
 
 
@@ -49,8 +50,8 @@ def test_a_pile_does_not_fall_by_itself() -> None:
 @pytest.mark.parametrize("name", ["dishes", "tower", "sort"])
 def test_seeds_decide(name: str) -> None:
     def layout(seed: int) -> dict[str, list[float]]:
-        with scenario_called(name, seed) as scenario:
-            return {thing: pose[:3, 3].tolist() for thing, pose in scenario.world.poses().items()}
+        with scenario(name, seed) as made:
+            return {thing: pose[:3, 3].tolist() for thing, pose in made.world.poses().items()}
 
     assert layout(5) == layout(5)
     assert layout(5) != layout(6)
@@ -59,21 +60,21 @@ def test_seeds_decide(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_dishes_lie_on_the_plate_and_the_can_leans_on_it(seed: int) -> None:
-    with scenario_called("dishes", seed) as scenario:
-        touches = touching(scenario.world)
+    with scenario("dishes", seed) as made:
+        touches = touching(made.world)
         for name in ("spoon_1", "spoon_2", "fork", "can", "table"):
             assert frozenset((name, "plate")) in touches
         for name in ("spoon_1", "spoon_2", "fork"):
             assert frozenset((name, "table")) not in touches
         assert frozenset(("can", "table")) in touches
-        assert 0.2 < scenario.world.pose("can")[2, 2] < 0.9
-        assert scenario.goal == "free plate" and scenario.targets == ("plate",)
+        assert 0.2 < made.world.pose("can")[2, 2] < 0.9
+        assert made.goal == "free plate" and made.targets == ("plate",)
 
 
 @pytest.mark.slow
 def test_things_of_the_lemon_scene_are_in_the_bowl_and_the_lemon_is_not() -> None:
-    with scenario_called("lemon", 3) as scenario:
-        world = scenario.world
+    with scenario("lemon", 3) as made:
+        world = made.world
         bowl = world.pose("bowl")[:2, 3]
         assert len(set(world.movable) - {"bowl", "lemon"}) > 0
         for name in set(world.movable) - {"bowl"}:
@@ -83,8 +84,8 @@ def test_things_of_the_lemon_scene_are_in_the_bowl_and_the_lemon_is_not() -> Non
 
 def test_no_tower_stands_already() -> None:
     for seed in range(4):
-        with scenario_called("tower", seed) as scenario:
-            poses = scenario.world.poses()
+        with scenario("tower", seed) as made:
+            poses = made.world.poses()
             for above, below in (("red", "green"), ("green", "blue")):
                 offset = poses[above][:3, 3] - poses[below][:3, 3]
                 assert not (np.linalg.norm(offset[:2]) < 0.03 and offset[2] > 0.03)
@@ -92,18 +93,18 @@ def test_no_tower_stands_already() -> None:
 
 def test_an_unknown_scene_is_refused_with_the_known_ones() -> None:
     with pytest.raises(InvalidInput, match="dishes, lemon, tower, pile, sort"):
-        scenario_called("kitchen")
+        scenario("kitchen")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["set-table", "restack", "pack", "swap"])
 def test_a_finished_arrangement_is_of_the_same_things_at_rest_elsewhere(name: str) -> None:
-    with scenario_called(name, 2) as scenario:
-        finished = scenario.finished
+    with scenario(name, 2) as made:
+        finished = made.finished
         assert finished is not None
-        before, after = scenario.world.poses(), finished.poses()
-        assert set(scenario.targets) <= set(before) == set(after)
-        assert finished.fixed == scenario.world.fixed
+        before, after = made.world.poses(), finished.poses()
+        assert set(made.targets) <= set(before) == set(after)
+        assert finished.fixed == made.world.fixed
         assert sum(np.linalg.norm((after[thing] - before[thing])[:3, 3]) > 0.02 for thing in before) >= 2
         finished.step(240)
         for thing, pose in finished.poses().items():
@@ -111,10 +112,10 @@ def test_a_finished_arrangement_is_of_the_same_things_at_rest_elsewhere(name: st
 
 
 def test_a_bowl_that_a_can_leans_over_comes_back_without_it() -> None:
-    with scenario_called("hold", 9) as scenario:
-        world = scenario.world
+    with scenario("hold", 9) as made:
+        world = made.world
         leaning = world.pose("bowl")
-        assert scenario.goal == "free bowl" and leaning[2, 2] < np.cos(LEANS)
+        assert made.goal == "free bowl" and leaning[2, 2] < np.cos(LEANS)
         assert frozenset(("bowl", "can")) in touching(world)
         away = world.pose("can")
         away[0, 3] += 2.0

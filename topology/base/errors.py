@@ -26,14 +26,26 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 
 class ToppleError(Exception):
-    """Base of every error raised on purpose; its text is one line fit to be printed as it is."""
+    """Base of every error raised on purpose; its text is one line fit to be printed as it is.
+
+    Examples:
+        >>> issubclass(InvalidInput, ToppleError)
+        True
+    """
 
     def __init__(self, message: str = "", *more: object) -> None:
         super().__init__(" ".join(message.splitlines()), *more)
 
 
 class InvalidInput(ToppleError):
-    """Wrong use or unreadable input: says what is wrong, where, what was expected and what to do."""
+    """Wrong use or unreadable input: says what is wrong, where, what was expected and what to do.
+
+    Examples:
+        >>> Hull.of([])
+        Traceback (most recent call last):
+            ...
+        topple.topology.base.errors.InvalidInput: a hull needs finite points (N, 3), N >= 1, got an array (0,)
+    """
 
 
 class NotInstalled(InvalidInput):
@@ -42,6 +54,10 @@ class NotInstalled(InvalidInput):
     Attributes:
         what: What needs it, as "films need PyAV".
         extra: The extra of topple that brings it.
+
+    Examples:
+        >>> print(NotInstalled("live pages need viser", "view"))
+        live pages need viser: pip install 'viser>=1.0'
     """
 
     def __init__(self, what: str, extra: str) -> None:
@@ -59,6 +75,10 @@ class UnknownObject(InvalidInput):
     Attributes:
         name: The name that was asked for.
         known: The names the scene has, sorted.
+
+    Examples:
+        >>> print(UnknownObject("cap", ["cup", "book"]))
+        unknown object 'cap': did you mean 'cup'? the scene has book, cup
     """
 
     def __init__(self, name: str, known: Iterable[str], role: str = "object") -> None:

@@ -30,7 +30,12 @@ AHEAD = 8
 
 
 class WorkerLost(ToppleError):
-    """Whoever worked on a task was lost every time: killed, or for want of memory."""
+    """Whoever worked on a task was lost every time: killed, or for want of memory.
+
+    Examples:
+        >>> issubclass(WorkerLost, ToppleError)
+        True
+    """
 
 
 class Lost(Generic[Task]):
@@ -68,6 +73,11 @@ class WorkerPool(Executor):
 
     A standard pool is broken as a whole where one of its processes is killed: here each is a pool of its own,
     and the next task finds a new one. Left by an exception, what still runs is ended.
+
+    Examples:
+        >>> with WorkerPool(1) as pool:
+        ...     pool.submit(len, "three").result()
+        5
     """
 
     def __init__(self, processes: int, ready: Callable[[], None] = serve) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import ConvexHull, Delaunay, QhullError
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.base.arrays import FloatArray, bounds, lengths
 from topple.topology.base.remembered import remembered
@@ -20,20 +20,16 @@ from topple.topology.bodies.tolerances import (
     PLACES,
     REFUTED,
     ROUND_REFUTED,
-    TILE,
 )
 from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import Fit, fits_of, flattest_side, round_body
 from topple.topology.geometry.sides import beyond, sides_of
-from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
 from topple.topology.views.free_space import FreeSpace
-
-BLOCK = 1 << 16
-"""Pairs of a cell and a triangle looked at at once (0.5 MB)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,8 +150,6 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     extra = [_believable(mirrored, [seen.tree], sight)]
     known = np.concatenate([points, extra[0]])
     trees = [seen.tree, PointTree(extra[0])] if len(extra[0]) else [seen.tree]
-    if hollow:
-        extra.append(_believable(_roof(known), trees, sight))
     hull = hull_of(known)
     if hull is not None:
         extra.append(_believable(_underside(known, hull), trees, sight, partly=True))
@@ -266,74 +260,6 @@ def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:
     """The lower side of the hull, sampled over its plan view."""
     cells = _plan_cells(points, hull)
     return np.column_stack([cells, _lower_height(hull, cells)])
-
-
-def _roof(points: FloatArray) -> FloatArray:
-    """The upper side where something hid it: heights interpolated between the seen ones."""
-    flat = points[:, :2]
-    keys = cell_keys(flat, *bounds(flat), VOXEL)
-    order = np.lexsort((-points[:, 2], keys))
-    tops = points[order[np.unique(keys[order], return_index=True)[1]]]
-    if len(tops) < 4:
-        return points[:0]
-    lower, upper = bounds(tops[:, :2])
-    cells = _grid(lower, upper)
-    taken = PointTree(tops[:, :2]).query(cells)[0] < 2 * VOXEL
-    cells = _over(tops[:, :2], cells[~taken])
-    heights = _interpolated(tops, cells)
-    inside = np.isfinite(heights)
-    return np.column_stack([cells[inside], heights[inside]])
-
-
-def _interpolated(tops: FloatArray, cells: FloatArray) -> FloatArray:
-    """(N,) heights over plan cells (N, 2) of the triangles between points (M, 3); NaN over none.
-
-    scipy's interpolator inverts a matrix a triangle; where LAPACK has several threads, these wait for each
-    other longer than all of the rest takes.
-    """
-    heights = np.full(len(cells), np.nan)
-    if len(cells) == 0:
-        return heights
-    try:
-        triangles = tops[Delaunay(tops[:, :2]).simplices]
-    except QhullError:
-        return heights
-    origin, first, second = (
-        triangles[:, 0],
-        triangles[:, 1] - triangles[:, 0],
-        triangles[:, 2] - triangles[:, 0],
-    )
-    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    solid = np.abs(area) > 1e-15
-    origin, first, second, area = origin[solid], first[solid], second[solid], area[solid]
-    tile = np.floor(cells / TILE).astype(np.int64)
-    order = np.lexsort((tile[:, 1], tile[:, 0]))
-    ends = np.flatnonzero((np.diff(tile[order], axis=0) != 0).any(axis=1)) + 1
-    corners = triangles[solid][:, :, :2]
-    least, most = corners.min(axis=1) - 1e-9, corners.max(axis=1) + 1e-9
-    for rows in np.split(order, ends):
-        lower, upper = bounds(cells[rows])
-        near = np.flatnonzero(((least <= upper) & (most >= lower)).all(axis=1))
-        part = origin[near], first[near], second[near], area[near]
-        step = max(1, BLOCK // max(len(near), 1))
-        for start in range(0, len(rows) if len(near) else 0, step):
-            chosen = rows[start : start + step]
-            heights[chosen] = _heights(cells[chosen], *part)
-    return heights
-
-
-def _heights(
-    cells: FloatArray, origin: FloatArray, first: FloatArray, second: FloatArray, area: FloatArray
-) -> FloatArray:
-    """(N,) heights over plan cells (N, 2) of triangles (T, 3), corner and sides; NaN over none."""
-    offset = cells[:, None] - origin[:, :2]
-    along = (offset[..., 0] * second[:, 1] - offset[..., 1] * second[:, 0]) / area
-    across = (offset[..., 1] * first[:, 0] - offset[..., 0] * first[:, 1]) / area
-    depth = np.minimum(np.minimum(along, across), 1 - along - across)
-    row = np.arange(len(depth))
-    best = depth.argmax(axis=1)
-    height = origin[best, 2] + along[row, best] * first[best, 2] + across[row, best] * second[best, 2]
-    return np.where(depth[row, best] >= -1e-12, height, np.nan)
 
 
 def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:

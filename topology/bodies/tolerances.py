@@ -33,9 +33,6 @@ KEPT_BODIES = 100
 KEPT_FRAMES = 8
 """Tables whose sides' directions are kept."""
 
-TILE = 0.04
-"""Edge [m] of the squares of a plan view whose cells are looked at with the triangles over them alone."""
-
 
 # -- completed
 

@@ -33,6 +33,13 @@ class Hull(ByValue):
         upper: (3,) greatest corner of the axis-aligned box [m].
         dimension: 3 for a solid hull, 2 flat, 1 a segment, 0 a point.
         volume: Enclosed volume [m³], 0 below dimension 3.
+
+    Examples:
+        >>> hull = Hull.of(scene.clouds["cup"])
+        >>> round(1e6 * hull.volume)  # ml
+        288
+        >>> hull.signed_distance(np.array([[0.5, 0, 0.08]])).round(3)
+        array([-0.03])
     """
 
     vertices: FloatArray

@@ -47,6 +47,10 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
 
     Raises:
         InvalidInput: They are no finite points, or there is no spacing.
+
+    Examples:
+        >>> len(thinned(np.random.default_rng(0).random((999, 3)), 0.5))
+        8
     """
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all() or not spacing > 0:
         raise InvalidInput(

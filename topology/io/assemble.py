@@ -48,6 +48,10 @@ class Parts:
         masses: Mass in [kg] by name, or None; checked as a whole with the scene.
         friction: Coefficient of friction by name, or None.
         centres: Centre of mass (3,) in [m] by name, or None.
+
+    Examples:
+        >>> Parts({"cup": np.zeros((1, 3))}, fixed=["table"]).fixed
+        ['table']
     """
 
     clouds: dict[str, ArrayLike]

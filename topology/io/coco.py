@@ -49,6 +49,11 @@ def scene_from_coco(
 
     Raises:
         InvalidInput: A mask is none or does not fit the image, or no object has depth.
+
+    Examples:
+        >>> outline = {"segmentation": [[30, 20, 50, 20, 50, 40, 30, 40]], "category": "cup"}
+        >>> scene_from_coco(depth, K, [outline]).names
+        ('1', 'table')
     """
     image = numeric(depth, "depth")
     if image.ndim != 2:

@@ -52,6 +52,13 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
     Raises:
         InvalidInput: There are no models, or one that is needed cannot be read.
         OSError: A file cannot be read.
+
+    Examples:
+        >>> import pathlib, trimesh
+        >>> pathlib.Path("models").mkdir()
+        >>> _ = trimesh.creation.box((0.06, 0.06, 0.08)).export("models/cup.obj")
+        >>> with_models(scene, "models").models["cup"].model
+        'cup'
     """
     files, sight = model_files(Path(folder)), seen_in(scene)
     clouds, meshes, fits = dict(scene.clouds), dict(scene.meshes), dict[str, ModelFit]()

@@ -100,6 +100,11 @@ def load_scene(
     Raises:
         InvalidInput: If the path holds no scene or a broken one; one line that names file and object.
         UnknownObject: If `fixed` names an object that is not there.
+
+    Examples:
+        >>> np.savez("scene.npz", **scene.clouds)
+        >>> load_scene("scene.npz", fixed="table", up=[0, 0, 1]).names
+        ('table', 'book', 'cup')
     """
     given_up = None if up is None else as_direction(up, "up")
     place = _as_path(path)

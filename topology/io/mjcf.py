@@ -101,6 +101,15 @@ def scene_from_mujoco(
     Raises:
         InvalidInput: The two are no model and data, nothing can be touched, or nothing was computed yet.
         UnknownObject: `fixed` names something that is not there.
+
+    Examples:
+        >>> import mujoco
+        >>> body = "<body name='cup' pos='0 0 0.1'><freejoint/><geom size='0.04'/></body>"
+        >>> model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+        >>> data = mujoco.MjData(model)
+        >>> mujoco.mj_forward(model, data)
+        >>> scene_from_mujoco(model, data).names
+        ('cup',)
     """
     engine = _engine()
     if not isinstance(model, engine.MjModel) or not isinstance(data, engine.MjData):

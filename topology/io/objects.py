@@ -58,6 +58,10 @@ def scene_from_objects(
     Raises:
         InvalidInput: An object is none of these or empty, a pose is none, or poses are in different frames.
         UnknownObject: A pose, or a name in `fixed`, is of no object.
+
+    Examples:
+        >>> scene_from_objects({"cup": scene.clouds["cup"], "book": scene.clouds["book"]}).names
+        ('cup', 'book')
     """
     placed = dict(zip(objects, poses, strict=False)) if not isinstance(poses, Mapping) else dict(poses)
     if not isinstance(poses, Mapping) and len(poses) not in (0, len(objects)):
@@ -113,6 +117,11 @@ def scene_from_points(
 
     Raises:
         InvalidInput: There are no labels, or they do not fit.
+
+    Examples:
+        >>> points = np.concatenate([scene.clouds["cup"], scene.clouds["book"]])
+        >>> scene_from_points(points, np.repeat([1, 2], 3000)).names
+        ('1', '2')
     """
     if hasattr(points, "point_step") and labels is None:
         cloud, label = labelled_points(points, "the cloud")

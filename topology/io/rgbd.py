@@ -139,6 +139,11 @@ def scene_from_rgbd(
     Raises:
         InvalidInput: If the parts do not fit together, or an object has no depth.
         UnknownObject: If `fixed` names an object that no mask shows.
+
+    Examples:
+        >>> found = scene_from_rgbd(depth, K, mask)
+        >>> found.names, len(found.clouds["1"])
+        (('1', 'table'), 400)
     """
     if isinstance(masks, Mapping):
         names, masks = list(masks), [np.asarray(mask) for mask in masks.values()]

@@ -58,6 +58,10 @@ def scene_from_sam(
     Raises:
         InvalidInput: A mask is none or does not fit the image, or none is left.
         UnknownObject: `fixed` names an object that no mask shows.
+
+    Examples:
+        >>> scene_from_sam(depth, K, [mask == 1]).names
+        ('1', 'table')
     """
     posed = {} if pose_camera_to_world is None else {"pose_camera_to_world": pose_camera_to_world}
     given = {"depth": depth, "K": K, **posed}

@@ -52,6 +52,12 @@ def load_sequence(
 
     Raises:
         InvalidInput: If the path holds no sequence; one line that names the file.
+
+    Examples:
+        >>> cloud = (1e4 * scene.clouds["cup"]).astype(np.int16)  # steps of 0.1 mm
+        >>> np.savez("frames.npz", cup_xyz_01mm=cloud, cup_offsets=[0, 1000, 2000])
+        >>> [len(frame.clouds["cup"]) for frame in load_sequence("frames.npz")]
+        [1000, 1000]
     """
     place, fixed = Path(path), as_names(fixed)
     if (place.is_dir() or place.is_file()) and reads(place):

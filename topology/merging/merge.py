@@ -37,6 +37,16 @@ class MergedViews:
         outliers: Share of what stands on the ground that was dropped as outliers.
         masked: Whether the objects are those of masks; else they were cut out by their shape.
         loose: Share of what stands on the ground that is in no object.
+
+    Examples:
+        >>> with new_world() as world:
+        ...     world.add(Body.of("table", [8 * corners * [1, 1, 0] - [0.4, 0.4, 0]]))
+        ...     world.add(Body.of("crate", [corners]))
+        ...     eyes, rng = around((0, 0, 0)), np.random.default_rng(0)
+        ...     images = Observer(world, eyes, rng, ("table",)).look().images
+        >>> merged = merge_views(images, ("front", "left", "right"))
+        >>> merged.views, merged.masked
+        (('front', 'left', 'right'), True)
     """
 
     scene: Scene
@@ -106,6 +116,15 @@ def merge_views(
     Raises:
         InvalidInput: A step is not to be trusted; says which, by how much, and what may help.
         NotInstalled: small_gicp is missing.
+
+    Examples:
+        >>> with new_world() as world:
+        ...     world.add(Body.of("table", [8 * corners * [1, 1, 0] - [0.4, 0.4, 0]]))
+        ...     world.add(Body.of("crate", [corners]))
+        ...     eyes, rng = around((0, 0, 0)), np.random.default_rng(0)
+        ...     images = Observer(world, eyes, rng, ("table",)).look().images
+        >>> merge_views(images, ("front", "left", "right")).scene.movable
+        ('crate',)
     """
     views = tuple(names) or tuple(f"view {number}" for number in range(1, len(images) + 1))
     if len(images) < 2 or len(views) != len(images):

@@ -39,6 +39,13 @@ class Relations(RelationTable):
     """The relations of all pairs of a scene, as `relate` found them or another program told them.
 
     Pairs whose boxes are far apart are not stored: they are made when asked for.
+
+    Examples:
+        >>> found = relate(scene)
+        >>> str(found["cup", "book"].relation)
+        'touch'
+        >>> len(found)
+        3
     """
 
     @staticmethod
@@ -93,6 +100,10 @@ def relate(
     Raises:
         InvalidInput: The deviation is no positive length below the size of the objects, there are more
             objects or near pairs than is allowed, or there is no such rule.
+
+    Examples:
+        >>> print(relate(scene)["cup", "book"])
+        cup touch book 0.0 mm
     """
     scene, most = as_scene(scene), MOST_OBJECTS if most_objects is None else most_objects
     _check_count(len(scene.clouds), "objects", most)
@@ -132,6 +143,10 @@ def relate_all(
     Raises:
         InvalidInput: As `relate` and `load_scene`.
         WorkerLost: The worker of a scene was lost twice.
+
+    Examples:
+        >>> [str(found["cup", "book"].relation) for found in relate_all([scene])]
+        ['touch']
     """
     each = partial(relate, deviation=deviation, plain=plain, most_objects=most_objects, rule=rule)
     if executor is None:

@@ -20,6 +20,10 @@ class Mesh(ByValue):
 
     Raises:
         InvalidInput: If the shapes are wrong, a vertex is not finite, or a face names no vertex.
+
+    Examples:
+        >>> Mesh(corners, [[0, 1, 3]]).faces
+        array([[0, 1, 3]])
     """
 
     vertices: FloatArray

@@ -26,6 +26,14 @@ class ModelFit(ByValue):
             [m]; 0 where there is none.
         seen: (N, 3) the points that were seen [m].
         refused: Why the object keeps them for its cloud; None where the model's surface takes their place.
+
+    Examples:
+        >>> import pathlib, trimesh
+        >>> pathlib.Path("models").mkdir()
+        >>> _ = trimesh.creation.box((0.06, 0.06, 0.08)).export("models/cup.obj")
+        >>> fit = with_models(scene, "models").models["cup"]
+        >>> fit.residual < 0.002, fit.visible > 0.9
+        (True, True)
     """
 
     model: str

@@ -58,8 +58,11 @@ class Scene(ByValue):
         models: How known models were laid onto what was seen of objects (`topple.topology.with_models`).
         matter: Points (N, 3) in [m], about 1 cm apart, of what is no object and in the way: walls, screens.
         wrong_masks: Masks of the images that are wrong in kind, where these were asked (`examined`).
-        centres: Centres of mass (3,) in [m] of the objects of which they are known; of any others the density
-            is taken as even.
+        centres: Centres of mass (3,) [m] where known; of any other object the density is taken as even.
+
+    Examples:
+        >>> Scene({"table": corners * [9, 9, 0], "cup": corners}, fixed=["table"]).movable
+        ('cup',)
     """
 
     clouds: Mapping[str, FloatArray]

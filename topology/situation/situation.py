@@ -30,7 +30,7 @@ from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
 from topple.topology.statics.tolerances import SHOWN
-from topple.topology.statics.way_out import along, way_out
+from topple.topology.statics.way_out import along, boards_going_on, way_out
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +47,10 @@ class Situation:
         known_completed: The same with the hidden sides, likewise.
         origin: What it came of by taking objects away or moving them: the other bodies are those still.
         unit: What a metre of its bodies stands for [m], see `sized`; lengths of its relations are true ones.
+
+    Examples:
+        >>> [(support.supporter, support.supported) for support in Situation(scene).supports]
+        [('table', 'book'), ('book', 'cup')]
     """
 
     scene: Scene
@@ -284,8 +288,14 @@ class Situation:
 
     @cached_property
     def _fixed(self) -> FloatArray:
-        """(N, 3) points of all that never moves."""
+        """(N, 3) points of all that never moves, and where its boards may go on [m]."""
         clouds = [self.scene.clouds[name] for name in sorted(self.scene.fixed)]
+        bodies = surfaces_of(self.scene)
+        if bodies.sight is not None:
+            sight, to_upright = bodies.sight, bodies.upright.rotation.T
+            clouds += [
+                boards_going_on(cloud, self.up, lambda p: sight.empty(p @ to_upright)) for cloud in clouds
+            ]
         return frozen(np.concatenate([np.empty((0, 3)), *clouds]))
 
     def hang_together(self, a: str, b: str) -> bool:

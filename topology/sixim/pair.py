@@ -7,8 +7,7 @@ from math import inf
 from typing import Any
 
 from topple.topology.base.arrays import IntArray
-from topple.topology.base.rounded import rounded
-from topple.topology.base.values import ByValue
+from topple.topology.base.values import ByValue, rounded
 from topple.topology.sixim.table import Relation, converse_matrix
 
 
@@ -30,6 +29,11 @@ class PairRelation(ByValue):
         inferred: True where the relation was concluded from gravity and not from the clouds alone.
         reason: What decided, where it was anything else than Table 1 on the matrix; None where it was that.
         least_gap: What the gap is at least [m], known without measuring it.
+
+    Examples:
+        >>> pair = relate(scene)["cup", "book"]
+        >>> str(pair.relation), pair.observed, round(pair.gap, 3)
+        ('touch', True, 0.0)
     """
 
     a: str

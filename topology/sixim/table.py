@@ -14,7 +14,12 @@ from topple.topology.base.values import Word
 
 
 class Relation(Word):
-    """How a cloud A lies to a cloud B (Definitions 4-10 of section 3.1)."""
+    """How a cloud A lies to a cloud B (Definitions 4-10 of section 3.1).
+
+    Examples:
+        >>> str(Relation.WITHIN.converse)
+        'contain'
+    """
 
     CROSS = "cross"
     """Both have points in the other's interior."""

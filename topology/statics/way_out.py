@@ -1,9 +1,12 @@
 """The way out of an object: straight up, or where something fixed is over it level to where nothing is."""
 
+from collections.abc import Callable
+
 import numpy as np
 
-from topple.topology.base.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray, bounds
 from topple.topology.base.remembered import remembered
+from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.statics.tolerances import (
@@ -60,6 +63,31 @@ def way_out(own: FloatArray, fixed: FloatArray, up: FloatArray) -> FloatArray:
         if _filled(wall) < WALLED * max(most - least, WALL_CELL) * window / WALL_CELL**2:
             found.append((end - back, way @ axes))
     return min(found, key=lambda each: each[0])[1] if found else up
+
+
+def boards_going_on(
+    cloud: FloatArray, up: FloatArray, empty: Callable[[FloatArray], BoolArray]
+) -> FloatArray:
+    """Places where the upper boards of a fixed body may go on: pictures end, and things hide them.
+
+    Args:
+        cloud: (N, 3) points of the body [m].
+        up: (3,) unit vector against gravity.
+        empty: Which of (M, 3) places cameras saw to be empty.
+
+    Returns:
+        (K, 3) places at the heights of its tops but the lowest, within the rectangle around it [m].
+    """
+    boards = tops_of(cloud, up).tops[:-1]
+    if not boards:
+        return cloud[:0]
+    level = np.stack(level_axes(up))
+    side = least_rectangle(cloud @ level.T)
+    frame = np.stack([side, [-side[1], side[0]]]) @ level
+    x, y = (np.arange(*ends, WALL_CELL) for ends in zip(*bounds(cloud @ frame.T), strict=True))
+    plan = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2) @ frame
+    places = np.concatenate([plan - np.outer(top.above(plan) / (top.normal @ up), up) for top in boards])
+    return places[~empty(places)]
 
 
 def along(axes: FloatArray, points: FloatArray) -> FloatArray:

@@ -58,6 +58,10 @@ class DepthImage(ByValue):
 
     Raises:
         InvalidInput: If the parts do not fit together or are not what they should be.
+
+    Examples:
+        >>> DepthImage(depth, K, mask, names={1: "cup"}).pixels()
+        {'cup': 400}
     """
 
     depth: FloatArray

@@ -34,27 +34,33 @@ function smoothed(vertices, faces) {
 }
 
 class Motion {
-  // data: what `motion_json` wrote; shape: what `arm_shape` wrote.
-  constructor(data, shape) {
+  // data: what `motion_json` wrote; arm: what `arm_shape` wrote.
+  constructor(data, arm) {
     this.data = data;
+    this.count = arm.links.length;
     this.last = data.times[data.times.length - 1];
-    this.links = shape.map(({ vertices, faces }) => {
-      const places = shorts(vertices).map((v) => v * SHORT);
-      return { vertices: places, faces, normals: smoothed(places, faces) };
+    this.parts = arm.parts.map(({ at, colour, vertices, faces }) => {
+      const places = shorts(vertices).map((v) => v * SHORT), corners = [...shorts(faces)];
+      const points = corners.flatMap((k) => [places[3 * k], places[3 * k + 1], places[3 * k + 2]]);
+      return { at, colour: rgb(colour), corners: Float32Array.from(points), normals: Float32Array.from(smoothed(places, corners).flat()) };
     });
     this.poses = shorts(data.links);
+    if (data.beside) { // another such arm stands still
+      this.still = shorts(data.beside);
+      this.parts.push(...this.parts.map((part) => ({ ...part, at: part.at + this.count })));
+    }
     this.carried = data.carried.map(({ object, poses }) => ({ object, poses: shorts(poses) }));
   }
 
   // Poses of all links, and of what is or was carried by its number, at a time.
   at(time) {
-    const { times, centre } = this.data, count = this.links.length;
+    const { times, centre } = this.data, count = this.count;
     let k = 0;
     while (k < times.length - 1 && times[k + 1] <= time) k++;
     const next = Math.min(k + 1, times.length - 1), wide = times[next] - times[k];
     const share = wide > 0 ? Math.min(1, (time - times[k]) / wide) : 0;
-    const links = this.links.map((_, i) => {
-      const pose = mixed(this.poses, 7 * (k * count + i), 7 * (next * count + i), share);
+    const links = Array.from({ length: this.still ? 2 * count : count }, (_, i) => {
+      const pose = i < count ? mixed(this.poses, 7 * (k * count + i), 7 * (next * count + i), share) : mixed(this.still, 7 * (i - count), 7 * (i - count), 0);
       pose[3] = add(pose[3], centre, 1);
       return pose;
     });
@@ -69,6 +75,7 @@ class Motion {
   }
 }
 
+const turned = (pose, n) => [dot(pose[0], n), dot(pose[1], n), dot(pose[2], n)];
 const placed = (pose, p) => [0, 1, 2].map((i) => dot(pose[i], p) + pose[3][i]);
 
 // The switches of a time line: play, scrub, and what the arm does then.
@@ -85,10 +92,7 @@ class Player {
     this.slider.addEventListener("input", () => { this.stop(); this.seek(Number(this.slider.value)); });
     this.button.addEventListener("click", () => (this.playing ? this.stop() : this.play()));
     this.bands.forEach((band, i) => band.addEventListener("click", () => { this.stop(); this.seek(motion.data.bands[i][1]); }));
-    viewer.include(motion.carried.flatMap(({ object }) => {
-      const pose = motion.at(motion.last).moved.get(object);
-      return pose ? viewer.scene.objects[object].corners.map((corner) => placed(pose, corner)) : [];
-    }));
+    viewer.include(motion.data.times.flatMap((time) => [...motion.at(time).moved].map(([object, pose]) => placed(pose, viewer.scene.objects[object].top))));
     this.seek(0);
   }
 

@@ -9,7 +9,7 @@ window.panels = steps.map(() => null);
 // Pictures and views of a step are made when it is first shown.
 function fill(index) {
   for (const image of steps[index].querySelectorAll("img[data-picture]")) {
-    image.src ||= "data:image/jpeg;base64," + data.pictures[image.dataset.picture];
+    image.src ||= data.pictures[image.dataset.picture];
   }
   const figure = steps[index].querySelector(".viewer");
   if (figure && !window.panels[index]) window.panels[index] = new Panel(steps[index], data.views[figure.dataset.view], data.arm);
@@ -28,6 +28,9 @@ function show(index) {
 marks.forEach((mark, i) => mark.addEventListener("click", () => show(i)));
 for (const button of document.querySelectorAll("[data-turn]")) {
   button.addEventListener("click", () => show(window.current + Number(button.dataset.turn)));
+}
+for (const input of document.querySelectorAll(".cut input")) {
+  input.addEventListener("input", () => input.closest("figure").style.setProperty("--cut", `${input.value}%`));
 }
 document.addEventListener("keydown", (event) => {
   if (event.target.closest("canvas, input")) return;

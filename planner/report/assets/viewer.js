@@ -1,6 +1,6 @@
 "use strict";
-// A 3-D view of surfaces, hulls and relation lines on a plain 2-D canvas. Points go as lit discs through a depth
-// buffer of our own, so the view needs no graphics card, and the buffer says which object is under the pointer.
+// A 3-D view of surfaces, hulls and relation lines: surfaces by WebGL where there is any, else through a depth buffer
+// of our own, so the view needs no graphics card; lines and names on a plain 2-D canvas.
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -10,7 +10,7 @@ const unit = (a) => { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / 
 
 const ordinal = (n) => n + (n % 100 > 10 && n % 100 < 14 ? "th" : ["th", "st", "nd", "rd"][n % 10] || "th");
 
-const ARM = { colour: [190, 196, 206], fixed: false, spacing: 0.001 }; // counted after all objects
+const rgb = (colour) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16));
 
 // Coordinates come as 16-bit steps from the lower corner of the object's box.
 function unpack(object) {
@@ -34,8 +34,7 @@ class Viewer {
     this.lit = new Set();
     this.clouds = scene.objects.map(unpack);
     this.normals = scene.objects.map((o) => Int8Array.from(atob(o.normals), (c) => c.charCodeAt(0)));
-    this.colours = scene.objects.map((o) => [1, 3, 5].map((i) => parseInt(o.colour.slice(i, i + 2), 16)));
-    this.colours.push(ARM.colour);
+    this.colours = scene.objects.map((o) => rgb(o.paint));
     this.frame();
     this.reset();
     this.listen(onPick);
@@ -57,15 +56,15 @@ class Viewer {
     this.yaw = 0;
     this.pitch = Math.asin(dot(unit(look), this.up));
     this.distance = 0; // until the size of the canvas is known
-    clearTimeout(this.calming);
-    this.busy = false;
+    this.stir(); // a coarse picture first
     this.redraw();
   }
 
   // Puts the arm and what it carries where they are at a time of a motion.
   pose(motion, time) {
     const { links, moved } = motion.at(time);
-    this.arm = motion.links.map((link, i) => ({ ...link, pose: links[i] }));
+    this.arm = motion.parts.map((part, i) => ({ ...part, pose: links[part.at], number: this.scene.objects.length + i }));
+    for (const { number, colour } of this.arm) this.colours[number] = colour;
     this.moved = moved;
     this.redraw();
   }
@@ -124,9 +123,6 @@ class Viewer {
     if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;
       this.canvas.height = height;
-      this.depth = new Float32Array(width * height);
-      this.owner = new Int16Array(width * height);
-      this.shine = new Float32Array(width * height);
     }
     const style = getComputedStyle(this.canvas);
     this.paper = style.backgroundColor.match(/\d+/g).slice(0, 3).map(Number);
@@ -135,11 +131,13 @@ class Viewer {
     this.place();
     const context = this.canvas.getContext("2d");
     context.clearRect(0, 0, width, height);
-    this.depth.fill(Infinity);
-    this.owner.fill(-1);
-    if (this.show.surfaces) this.drawClouds(width, height);
-    if (this.show.arm && this.arm) this.drawArm(width, height);
-    this.shade(context, width, height);
+    const light = this.colours.length < MOST && Light.get();
+    if (!light || (this.busy && light.slow)) this.drawPlainly(context, width, height);
+    else {
+      const begun = performance.now();
+      context.drawImage(light.render(this, width, height), 0, 0);
+      light.slow = performance.now() - begun > 60; // without a graphics card
+    }
     if (this.show.hulls) this.drawHulls(context);
     if (this.show.relations) this.drawRelations(context);
     if (this.show.path && this.scene.path) this.drawPath(context);
@@ -147,100 +145,49 @@ class Viewer {
     this.drawLabels(context);
   }
 
-  dimmed(index) { return this.lit.size > 0 && !this.lit.has(index); }
-
-  // Every point is a disc that lies in the surface: together they are the surface, lit and with its own depth.
-  drawClouds(width, height) {
-    const { depth, owner, shine, eye, right, down, forward, focal } = this;
-    const lamp = this.lamp();
-    this.scene.objects.forEach((object, index) => {
-      const points = this.clouds[index], normals = this.normals[index], radius = Math.max(object.spacing * 1.15, 0.0008);
-      const pose = this.moved.get(index), turned = (v) => [dot(pose[0], v), dot(pose[1], v), dot(pose[2], v)];
-      for (let i = 0; i < points.length; i += 3) {
-        let p = [points[i], points[i + 1], points[i + 2]], n = [normals[i] / 127, normals[i + 1] / 127, normals[i + 2] / 127];
-        if (pose) { p = placed(pose, p); n = turned(n); }
-        const x = p[0] - eye[0], y = p[1] - eye[1], z = p[2] - eye[2];
-        const w = x * forward[0] + y * forward[1] + z * forward[2];
-        if (w < this.distance * 0.02) continue;
-        const s = focal / w;
-        const bright = (0.5 + 0.55 * Math.abs(dot(n, lamp))) * (i < 3 * object.seen ? 1 : -1); // below 0: guessed
-        const facing = dot(n, forward), steep = (facing < 0 ? -1 : 1) * Math.max(Math.abs(facing), 0.3) * s;
-        const across = -dot(n, right) / steep, along = -dot(n, down) / steep; // depth per pixel
-        const half = Math.max(0.8, s * radius), reach = half * half;
-        const u = width / 2 + s * (x * right[0] + y * right[1] + z * right[2]);
-        const v = height / 2 + s * (x * down[0] + y * down[1] + z * down[2]);
-        const u0 = Math.max(0, Math.ceil(u - half)), u1 = Math.min(width - 1, Math.floor(u + half));
-        const v0 = Math.max(0, Math.ceil(v - half)), v1 = Math.min(height - 1, Math.floor(v + half));
-        for (let row = v0; row <= v1; row++) {
-          for (let column = u0; column <= u1; column++) {
-            const dx = column - u, dy = row - v, k = row * width + column;
-            if (dx * dx + dy * dy > reach) continue;
-            const far = w + across * dx + along * dy;
-            if (far < depth[k]) { depth[k] = far; owner[k] = index; shine[k] = bright; }
-          }
+  // Without WebGL: squares and triangles through a depth buffer of our own, without shadows.
+  drawPlainly(context, width, height) {
+    const image = context.createImageData(width, height), pixels = new Uint32Array(image.data.buffer);
+    const depths = new Float32Array(width * height).fill(Infinity), { eye, right, down, forward, focal, scene, paper } = this;
+    const lamp = unit(add(add(forward.map((v) => -v), this.up, 0.9), right, -0.5));
+    const paint = (number, n, guessed) => {
+      const shine = 0.5 + 0.55 * Math.abs(dot(n, lamp)), faint = this.dimmed(number) ? 0.78 : guessed || scene.objects[number]?.fixed ? 0.6 : 0;
+      return this.colours[number].reduce((all, c, i) => all | (Math.min(255, c * shine) * (1 - faint) + paper[i] * faint) << 8 * i, 0xff000000);
+    };
+    const put = (u0, u1, v0, v1, tint, depth) => {
+      for (let v = Math.max(0, Math.ceil(v0)); v <= Math.min(height - 1, v1); v++) {
+        for (let u = Math.max(0, Math.ceil(u0)), k = v * width + u; u <= Math.min(width - 1, u1); u++, k++) {
+          const far = typeof depth === "number" ? depth : depth(u, v);
+          if (far < depths[k]) { depths[k] = far; pixels[k] = tint; }
         }
+      }
+    };
+    if (this.show.surfaces) scene.objects.forEach(({ seen, spacing }, index) => {
+      const points = this.clouds[index], normals = this.normals[index], pose = this.moved.get(index);
+      for (let i = 0; i < points.length; i += 3) {
+        const p = [points[i], points[i + 1], points[i + 2]], n = [normals[i] / 127, normals[i + 1] / 127, normals[i + 2] / 127];
+        const d = sub(pose ? placed(pose, p) : p, eye), far = dot(d, forward), s = focal / far, half = Math.max(0.8, s * spacing);
+        if (far < this.distance * 0.02) continue;
+        const u = width / 2 + s * dot(d, right), v = height / 2 + s * dot(d, down);
+        put(u - half, u + half, v - half, v + half, paint(index, pose ? turned(pose, n) : n, i >= 3 * seen), far);
       }
     });
-  }
-
-  lamp() { return unit(add(add(this.forward.map((v) => -v), this.up, 0.9), this.right, -0.5)); }
-
-  // The links are triangles, outward ones only: their hulls are convex.
-  drawArm(width, height) {
-    const { depth, owner, shine, eye, right, down, forward, focal } = this, lamp = this.lamp(), number = this.scene.objects.length;
-    for (const { vertices, faces, normals, pose } of this.arm) {
-      const seen = [], turned = (v) => [dot(pose[0], v), dot(pose[1], v), dot(pose[2], v)];
-      for (let i = 0; i < vertices.length; i += 3) {
-        const p = placed(pose, [vertices[i], vertices[i + 1], vertices[i + 2]]), d = sub(p, eye), w = dot(d, forward), s = focal / w;
-        seen.push({ p, w, u: width / 2 + s * dot(d, right), v: height / 2 + s * dot(d, down) });
+    if (this.show.arm) for (const { corners, normals, pose, number } of this.arm || []) {
+      for (let i = 0; i < corners.length; i += 9) {
+        const [a, b, c] = [0, 3, 6].map((j) => this.project(placed(pose, corners.subarray(i + j, i + j + 3))));
+        const area = a && b && c && (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if (!area) continue;
+        put(Math.min(a[0], b[0], c[0]), Math.max(a[0], b[0], c[0]), Math.min(a[1], b[1], c[1]), Math.max(a[1], b[1], c[1]),
+          paint(number, unit(turned(pose, normals.subarray(i, i + 3))), false), (u, v) => {
+            const e = ((b[0] - u) * (c[1] - v) - (b[1] - v) * (c[0] - u)) / area, f = ((c[0] - u) * (a[1] - v) - (c[1] - v) * (a[0] - u)) / area;
+            return e < 0 || f < 0 || e + f > 1 ? Infinity : 1 / (e / a[2] + f / b[2] + (1 - e - f) / c[2]);
+          });
       }
-      for (let i = 0; i < faces.length; i += 3) {
-        const [a, b, c] = [seen[faces[i]], seen[faces[i + 1]], seen[faces[i + 2]]];
-        const area = (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
-        if (area >= 0 || Math.min(a.w, b.w, c.w) < this.distance * 0.02) continue;
-        const [lit0, lit1, lit2] = [0, 1, 2].map((j) => 0.5 + 0.55 * Math.abs(dot(turned(normals[i + j]), lamp)));
-        const u0 = Math.max(0, Math.ceil(Math.min(a.u, b.u, c.u))), u1 = Math.min(width - 1, Math.floor(Math.max(a.u, b.u, c.u)));
-        const v0 = Math.max(0, Math.ceil(Math.min(a.v, b.v, c.v))), v1 = Math.min(height - 1, Math.floor(Math.max(a.v, b.v, c.v)));
-        for (let v = v0; v <= v1; v++) {
-          for (let u = u0; u <= u1; u++) {
-            const e = ((b.u - u) * (c.v - v) - (b.v - v) * (c.u - u)) / area, f = ((c.u - u) * (a.v - v) - (c.v - v) * (a.u - u)) / area;
-            if (e < 0 || f < 0 || e + f > 1) continue;
-            const far = 1 / (e / a.w + f / b.w + (1 - e - f) / c.w), k = v * width + u;
-            if (far < depth[k]) { depth[k] = far; owner[k] = number; shine[k] = e * lit0 + f * lit1 + (1 - e - f) * lit2; }
-          }
-        }
-      }
-    }
-  }
-
-  // Colours each pixel by its object and light, darker where a neighbour stands in front of it, so that edges are
-  // seen; hatched where the surface is guessed.
-  shade(context, width, height) {
-    const { depth, owner, shine, paper } = this;
-    const image = context.createImageData(width, height);
-    const strength = 10 / this.scene.radius, reach = Math.max(1, Math.round(this.scale)), stripe = Math.round(4 * this.scale);
-    const steps = [-reach, reach, -reach * width, reach * width];
-    for (let k = 0; k < depth.length; k++) {
-      const index = owner[k];
-      if (index < 0) continue;
-      const { fixed, spacing } = this.scene.objects[index] || ARM;
-      let fold = 0;
-      if (!fixed) for (const step of steps) {
-        const ahead = depth[k] - depth[k + step] - 2 * spacing;
-        if (ahead > 0) fold += Math.min(ahead, 0.03);
-      }
-      const guessed = shine[k] < 0, colour = this.colours[index];
-      const bright = Math.max(0.4, Math.abs(shine[k]) - fold * strength);
-      const hatched = guessed && Math.floor(((k % width) + Math.floor(k / width)) / stripe) % 2 === 0;
-      const faint = this.dimmed(index) ? 0.78 : fixed ? 0.7 : guessed ? (hatched ? 0.72 : 0.3) : 0;
-      for (let c = 0; c < 3; c++) {
-        const value = Math.min(255, colour[c] * bright);
-        image.data[4 * k + c] = value + (paper[c] - value) * faint;
-      }
-      image.data[4 * k + 3] = 255;
     }
     context.putImageData(image, 0, 0);
   }
+
+  dimmed(index) { return this.lit.size > 0 && !this.lit.has(index); }
 
   line(context, a, b) {
     const from = this.project(a), to = this.project(b);
@@ -368,9 +315,16 @@ class Viewer {
 
   under(event) {
     const box = this.canvas.getBoundingClientRect();
-    const u = Math.floor((event.clientX - box.left) * this.scale), v = Math.floor((event.clientY - box.top) * this.scale);
-    const index = this.show.surfaces && this.owner ? this.owner[v * this.canvas.width + u] ?? -1 : -1;
-    return index < this.scene.objects.length ? index : -1;
+    const x = (event.clientX - box.left) * this.scale, y = (event.clientY - box.top) * this.scale;
+    let found = -1, nearest = Infinity;
+    if (this.show.surfaces) this.clouds.forEach((points, index) => {
+      const wide = Math.max(this.scene.objects[index].spacing, 0.0008) * this.focal;
+      for (let i = 0; i < points.length; i += 3) {
+        const [u, v, far] = this.project(this.now(index, [points[i], points[i + 1], points[i + 2]])) || [0, 0, Infinity];
+        if (far < nearest && Math.hypot(u - x, v - y) < wide / far + this.scale) [found, nearest] = [index, far];
+      }
+    });
+    return found;
   }
 
   turn(dx, dy) {

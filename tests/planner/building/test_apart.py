@@ -10,8 +10,7 @@ from on_table import balance, cards, on_table
 from topple.planner import NoSafePlan, order, plan
 from topple.planner.building.apart import turned_round
 from topple.planner.cli.main import main
-from topple.robots import scene_from_world
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario, scene_from_world
 from topple.robots.shapes import box
 from topple.topology import InvalidInput
 from topple.topology.situation.situation import Situation
@@ -114,7 +113,7 @@ def test_the_command_heeds_how_many_hands_there_are(
 
 
 def test_a_bowl_that_a_can_leans_over_is_held_while_the_can_is_taken() -> None:
-    with scenario_called("hold", 9) as stage:
+    with scenario("hold", 9) as stage:
         names = {number: name for name, number in stage.world.ids.items()}
         scene = scene_from_world(stage.world.client, names=names)
     found = order(scene, "bowl", hands=2)

@@ -4,7 +4,7 @@ from topple.planner.cli.tables import print_order, print_relations
 from topple.planner.decide.words import millimetres
 from topple.planner.motion.collision import Contact
 from topple.planner.motion.planner import _says  # pyright: ignore[reportPrivateUsage]
-from topple.topology.base.rounded import rounded
+from topple.topology.base.values import rounded
 
 
 @pytest.mark.parametrize(("value", "digits", "text"), [(-0.0, 0, "0"), (-0.4, 0, "0"), (-0.04, 1, "0.0"),

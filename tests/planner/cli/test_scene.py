@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple.planner.cli.main import main
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.topology.io import load_scene
 
 pytest.importorskip("small_gicp", reason="small_gicp is not installed: pip install '.[views]'")
@@ -18,7 +18,7 @@ def views(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Three views of a pile; the second one's pose is off by 4 cm."""
     folder, rng = tmp_path_factory.mktemp("views"), np.random.default_rng(1)
     paths: list[Path] = []
-    with scenario_called("pile", 1) as stage:
+    with scenario("pile", 1) as stage:
         for number, camera in enumerate(stage.cameras):
             image = camera.look(stage.world, rng)
             pose = image.pose_camera_to_world.copy()

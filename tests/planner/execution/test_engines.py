@@ -12,16 +12,16 @@ from topple.planner.cli.main import main
 from topple.planner.execution.demo import loop_in
 from topple.planner.execution.run import run
 from topple.planner.execution.trial import trial
+from topple.robots import scenario
 from topple.robots.catalog import robot
 from topple.robots.mujoco.acting import MujocoArm
 from topple.robots.mujoco.world import MujocoWorld
-from topple.robots.scenarios import scenario_called
 from topple.robots.shapes import plate
 
 
 @pytest.mark.slow
 def test_a_tower_is_built_on_mujoco() -> None:
-    with scenario_called("tower", 0, "mujoco") as stage:
+    with scenario("tower", 0, "mujoco") as stage:
         assert isinstance(stage.world, MujocoWorld)
         loop = loop_in(stage)
         assert isinstance(loop.robot, MujocoArm)

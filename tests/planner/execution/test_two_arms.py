@@ -12,10 +12,9 @@ from topple.planner.execution.demo import demo, loop_in
 from topple.planner.execution.judge import Judge
 from topple.planner.planning.holding import check_second
 from topple.robots import robot as robot_named
-from topple.robots import shapes
+from topple.robots import scenario, shapes
 from topple.robots.arm.gripper import SUCTION
 from topple.robots.engines import MUJOCO, arm_in
-from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.touch import Touch
@@ -72,7 +71,7 @@ def test_one_arm_keeps_its_place_while_the_other_acts_and_what_it_touches_is_not
 
 
 def test_what_two_arms_cannot_do_is_refused_in_a_line() -> None:
-    with scenario_called("hold", 1) as stage:
+    with scenario("hold", 1) as stage:
         with pytest.raises(InvalidInput, match="leave out the other arm"):
             loop_in(stage, wrist_camera=True)
     cup = robot_named("panda-suction")
@@ -98,7 +97,7 @@ def test_an_orderer_is_told_of_the_second_arm_and_of_no_second_hand_otherwise() 
         told.append(asked)
         raise InvalidInput("enough")
 
-    with scenario_called("hold", 1) as stage:
+    with scenario("hold", 1) as stage:
         for arms in (1, 2):
             record = loop_in(stage, orderer=orderer, hands=arms).run()
             assert "enough" in record.violations[0]

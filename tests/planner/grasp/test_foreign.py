@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from topple.planner.grasp.foreign import grasps_from_array, read_grasps
+from topple.planner.grasp.rank import rank_grasps
 from topple.topology.base.errors import InvalidInput
+from topple.topology.scene.scene import Scene
 
 
 def down(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
@@ -156,3 +158,15 @@ def test_files_that_are_no_grasps_are_refused(tmp_path: Path) -> None:
         read_grasps(tmp_path / "a.npy")
     with pytest.raises(InvalidInput, match="cannot be read"):
         read_grasps(tmp_path / "missing.npy")
+
+
+def test_an_array_takes_scores_and_widths_of_its_own() -> None:
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    given = grasps_from_array(poses, scores=[0.4, 0.9], widths=[0.05, 0.06])
+    assert given.scores.tolist() == [0.4, 0.9] and given.widths.tolist() == [0.05, 0.06]
+    assert np.isnan(grasps_from_array(poses).widths).all()
+    with pytest.raises(InvalidInput, match=r"widths of shape \(1,\)"):
+        grasps_from_array(poses, widths=[0.05])
+    scene = Scene({"cup": np.random.default_rng(0).random((50, 3)) * 0.1}, up=[0, 0, 1])
+    with pytest.raises(InvalidInput, match="have their own"):
+        rank_grasps(scene, given, scores=[0.4, 0.9])

@@ -19,7 +19,8 @@ from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan
 from topple.planner.planning.step import Chooser, Context, NextStep, Task
 from topple.planner.planning.two_handed import plan_two_handed
-from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.robots import scenario
+from topple.robots.scenarios import SCENARIOS
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -62,7 +63,7 @@ class Watched:
 @pytest.mark.parametrize("seed", range(SEEDS))
 @pytest.mark.parametrize("name", list(SCENARIOS))
 def test_the_orders_and_the_plan_of_a_demo_do_not_contradict_themselves(name: str, seed: int) -> None:
-    with scenario_called(name, seed) as stage:
+    with scenario(name, seed) as stage:
         loop = loop_in(stage, seed=seed)
         scene, watched = loop.look().scene, Watched(loop.task, math.inf if seed < WHOLE else 1)
         base, second = stage.pose_base_to_world, stage.pose_second_to_world

@@ -208,6 +208,8 @@ def test_what_moved_as_a_target_was_lifted_goes_first() -> None:
     assert taken(step) == ("green", Action.REMOVE)
     assert step is not None and step.order.order == ("green", "red")
     assert step.reason == "it has to go before red (moved with it)"
+    document = step.order.to_json()["dependencies"][0]
+    assert document["measured"] is True and document["evidence"][0]["swept"] is True
 
 
 def test_what_moved_and_has_to_wait_takes_a_second_hand_and_one_arm_says_so() -> None:

@@ -8,9 +8,9 @@ from topple.planner.execution.look import Observer
 from topple.planner.grasp.grasp import PINCH, Grasp
 from topple.planner.planning.plan import plan
 from topple.planner.transfer.transfer import TransferFailure, plan_transfer
+from topple.robots import scenario
 from topple.robots.arm.gripper import FINGERS
 from topple.robots.catalog import robot
-from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import Scenario
 from topple.topology.base.arrays import bounds
 from topple.topology.scene.scene import Scene
@@ -26,13 +26,13 @@ def look_at(stage: Scenario) -> Scene:
 
 @pytest.fixture(scope="module")
 def stage() -> Scenario:
-    with scenario_called("shelf", 1) as made:
+    with scenario("shelf", 1) as made:
         return made
 
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    with scenario_called("shelf", 1) as made:
+    with scenario("shelf", 1) as made:
         return look_at(made)
 
 

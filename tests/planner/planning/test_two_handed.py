@@ -13,7 +13,7 @@ from topple.planner.planning.step import NextStep
 from topple.planner.planning.two_handed import plan_two_handed
 from topple.planner.transfer.transfer import Transfer
 from topple.robots import robot as robot_named
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology.base.arrays import FloatArray
 
@@ -59,7 +59,7 @@ def _done_by(step: NextStep) -> Iterator[tuple[bool, Transfer]]:
 @pytest.mark.slow
 def test_a_hold_is_planned_whole_and_each_motion_keeps_clear_of_the_other_arm() -> None:
     arm = robot_named("panda")
-    with scenario_called("hold", 1) as stage:
+    with scenario("hold", 1) as stage:
         scene = Observer(stage.world, stage.cameras, np.random.default_rng(1), stage.fixed).look().scene
         bases: tuple[FloatArray, ...] = (stage.pose_base_to_world, np.asarray(stage.pose_second_to_world))
         steps = plan_two_handed(scene, stage.goal, arm, base=bases[0], second_base=bases[1])

@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 from topple.planner.execution.look import Look, Observer
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.registration import least, registered, remaining, turns
+from topple.robots import scenario
 from topple.robots.poses import angle_between, inverse
-from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, bowl, box, can, fork, mug, spoon
 from topple.robots.world.bodies import Body
@@ -54,7 +54,7 @@ def test_a_thing_seen_from_two_sides_is_found_where_it_is(body: Body) -> None:
 
 def looks(name: str, seed: int) -> tuple[Look, Look, dict[str, FloatArray]]:
     """A scene and its finished arrangement by three cameras, and the motions that truly lead there."""
-    with scenario_called(name, seed) as stage:
+    with scenario(name, seed) as stage:
         world, finished = stage.world, stage.finished
         assert finished is not None
         here, there = (

@@ -21,8 +21,8 @@ from topple.planner.planning.step import Context, NextStep, Orderer, Station
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act
 from topple.planner.rearranging.task import ArrangementTask, DescribedTask, LearnedPrecedences
+from topple.robots import scenario
 from topple.robots.catalog import robot
-from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, box, plate
 from topple.robots.world.world import World
@@ -174,7 +174,7 @@ def test_a_body_is_off_its_place_by_no_turn_that_its_shape_does_not_show() -> No
 
 @pytest.mark.slow
 def test_two_things_change_places_in_closed_loop() -> None:
-    with scenario_called("swap", 1) as stage:
+    with scenario("swap", 1) as stage:
         record = loop_in(stage, seed=1).run()
         assert record.success, record.violations
         assert stage.finished is not None

@@ -118,6 +118,6 @@ def run_record(panda):
         seconds=3.1,
         scene=scene,
         relations=relate(scene).to_json(),
-        arm_parts=panda.parts,
+        arm=panda,
         notes=("the base stands at 0.5 m",),
     )

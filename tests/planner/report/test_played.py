@@ -1,15 +1,23 @@
 """An arm's motion as pages play it, and as it is packed."""
 
 import base64
+import json
+from dataclasses import replace
 
 import numpy as np
+import pytest
 from carrying import ABOVE, carried
 from scipy.spatial.transform import Rotation
 
 from topple.planner.formats.arm_motion import HAND_SECONDS, ArmMotion
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.plan_page import plan_motion, plan_page
 from topple.planner.report.played import STEP, TURN, arm_shape, motion_json, spans
+from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
+from topple.robots.arm.looks import looks
+from topple.robots.arm.tolerances import BARE, DARKEST
+from topple.robots.catalog import robot
 
 
 def unpacked(text):
@@ -39,9 +47,9 @@ def test_a_hand_that_stands_still_has_no_motion(panda):
 
 def test_poses_come_back_within_a_step_of_their_packing(panda):
     motion, centre = carried("box", panda), np.array([0.4, 0.1, 0.2])
-    shape = arm_shape(panda.parts)
+    shape = arm_shape(panda)
     data = motion_json(motion, shape, {"box": 3}, centre)
-    chosen = [link["link"] for link in shape]
+    chosen = shape["links"]
     packed = unpacked(data["links"])
     truth = motion.links[:, chosen].reshape(-1, 4, 4)
     assert np.abs(packed[:, :3] * STEP + centre - truth[:, :3, 3]).max() <= 0.51 * STEP
@@ -56,10 +64,41 @@ def test_poses_come_back_within_a_step_of_their_packing(panda):
     assert np.abs(back - (motion.carried["box"] @ [*point, 1.0])[:, :3]).max() < 2e-4
 
 
-def test_drawn_links_are_small_and_near_their_parts(panda):
-    shape = arm_shape(panda.parts)
-    assert len(shape) >= 8
-    assert sum(len(link["vertices"]) + 4 * len(link["faces"]) for link in shape) < 60_000
+@pytest.mark.parametrize("name", ["panda-suction", "iiwa", "xarm6"])
+def test_an_arm_looks_like_its_urdf_in_few_triangles(name):
+    arm = robot(name)
+    seen = looks(arm, LIMITS.arm_triangles)
+    assert 1500 < sum(len(look.faces) for parts in seen for look in parts) <= LIMITS.arm_triangles
+    for parts, drawn in zip(arm.parts, seen, strict=True):
+        assert bool(drawn) >= bool(parts)  # whatever can be hit is seen
+        if parts and drawn:
+            solid, shown = np.concatenate(parts), np.concatenate([look.vertices for look in drawn])
+            assert np.abs(solid.min(axis=0) - shown.min(axis=0)).max() < 0.03
+            assert np.abs(solid.max(axis=0) - shown.max(axis=0)).max() < 0.03
+    colours = {look.colour for parts in seen for look in parts}
+    assert min(max(colour) for colour in colours) >= DARKEST
+    assert len(json.dumps(arm_shape(arm))) < 100_000
+
+
+def test_an_arm_without_meshes_and_colours_is_seen_by_its_hulls_in_grey(tmp_path):
+    bare = tmp_path / "bare.urdf"
+    box = "<collision><geometry><box size='0.1 0.1 0.4'/></geometry></collision>"
+    link = f"<link name='{{}}'><visual><geometry><mesh filename='gone.stl'/></geometry></visual>{box}</link>"
+    joint = "<joint name='j' type='revolute'><parent link='a'/><child link='b'/>"
+    joint += "<axis xyz='0 0 1'/><limit lower='-1' upper='1' velocity='1'/></joint>"
+    bare.write_text(f"<robot name='bare'>{link.format('a')}{link.format('b')}{joint}</robot>")
+    seen = looks(Arm.from_urdf(bare, "b", {}), 100)
+    assert [[len(look.faces) for look in parts] for parts in seen] == [[12], [12]]
+    assert {look.colour for parts in seen for look in parts} == {BARE}
+
+
+def test_another_arm_stands_beside(panda):
+    motion = carried("box", panda)
+    beside = replace(motion, beside=motion.links[0])
+    shape, centre = arm_shape(panda), np.zeros(3)
+    poses = unpacked(motion_json(beside, shape, {}, centre)["beside"])
+    assert np.abs(poses[:, :3] * STEP - motion.links[0, shape["links"], :3, 3]).max() <= 0.51 * STEP
+    assert motion_json(motion, shape, {}, centre)["beside"] is None
 
 
 def test_the_motion_of_a_plan_ends_where_the_plan_puts_things(lone_plan, panda):

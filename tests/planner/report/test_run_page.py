@@ -9,6 +9,7 @@ from PIL import Image
 from topple.planner.execution.look import unexpected
 from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import Change, relation_changes
 from topple.topology.base.errors import InvalidInput
@@ -30,7 +31,7 @@ def test_a_picture_two_steps_share_is_embedded_once(run_record):
     data = json.loads(re.search(r'id="data">(.*?)</script>', run_page(run_record), re.DOTALL).group(1))
     assert len(data["pictures"]) == 3
     assert len(data["views"]) == 3
-    assert len(data["views"][0]["path"]) == 200
+    assert len(data["views"][0]["path"]) == LIMITS.path_points
 
 
 def test_what_moved_too_far_is_marked(run_record):

@@ -22,10 +22,9 @@ from topple.planner.execution.second_look import second_look
 from topple.planner.motion.trajectory import retime
 from topple.planner.planning.order import cautious
 from topple.planner.transfer.transfer import Transfer, plan_transfer
-from topple.robots import robot, shapes
+from topple.robots import robot, scenario, shapes
 from topple.robots.driver import Driver
 from topple.robots.driver.trajectories import TrajectoryDriver
-from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm
@@ -235,7 +234,7 @@ def test_the_example_sends_trajectories_to_a_controller_of_ros(
 
 @pytest.mark.slow
 def test_the_dishes_are_cleared_through_it() -> None:
-    with scenario_called("dishes", 0) as stage:
+    with scenario("dishes", 0) as stage:
         loop = loop_in(stage)
         assert isinstance(loop.robot, SimulatedArm)
         record = replace(loop, robot=behind_a_controller(loop.robot)).run()

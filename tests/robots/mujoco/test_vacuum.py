@@ -9,9 +9,9 @@ from moving import at
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
 
+from topple.robots import scenario
 from topple.robots.mujoco.clamps import MujocoClamps
 from topple.robots.mujoco.world import MujocoWorld
-from topple.robots.scenarios import scenario_called
 from topple.robots.shapes import block, plate
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bodies import Body
@@ -81,7 +81,7 @@ def test_what_never_moves_is_not_taken() -> None:
 
 @pytest.mark.parametrize(("seed", "kept", "gone"), [(0, "left", "right"), (1, "plank", "load")])
 def test_clamps_keep_what_would_fall_until_they_let_go_of_it(seed: int, kept: str, gone: str) -> None:
-    with scenario_called("hold", seed, "mujoco") as stage:
+    with scenario("hold", seed, "mujoco") as stage:
         world = stage.world
         assert isinstance(world, MujocoWorld)
         before, clamps = world.pose(kept), MujocoClamps(world, [kept])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from topple.robots import scenario
 from topple.robots.engines import fixture_in
 from topple.robots.poses import angle_between
-from topple.robots.scenarios import scenario_called
 from topple.robots.world.bullet_clamps import BulletClamps
 from topple.topology import UnknownObject
 
@@ -14,7 +14,7 @@ from topple.topology import UnknownObject
     ("seed", "kept", "gone"), [(0, "left", "right"), (1, "plank", "load"), (9, "bowl", "can")]
 )
 def test_it_keeps_what_would_fall_and_lets_go_of_it(seed: int, kept: str, gone: str) -> None:
-    with scenario_called("hold", seed) as stage:
+    with scenario("hold", seed) as stage:
         world = stage.world
         before, clamps = world.poses(), BulletClamps(world, [kept])
         world.step(240)
@@ -32,7 +32,7 @@ def test_it_keeps_what_would_fall_and_lets_go_of_it(seed: int, kept: str, gone: 
 
 
 def test_what_is_not_there_or_never_moves_is_refused() -> None:
-    with scenario_called("hold", 1) as stage:
+    with scenario("hold", 1) as stage:
         for name in ("shelf", "table"):
             with pytest.raises(UnknownObject, match=name):
                 BulletClamps(stage.world, [name])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import box
 from topple.topology.base.errors import InvalidInput
@@ -22,7 +22,7 @@ pytest.importorskip("small_gicp", reason="small_gicp is not installed: pip insta
 def looked(name: str, seed: int) -> list[DepthImage]:
     """What three cameras with a Kinect's noise see of a scene."""
     rng = np.random.default_rng(seed)
-    with scenario_called(name, seed) as stage:
+    with scenario(name, seed) as stage:
         return [camera.look(stage.world, rng) for camera in stage.cameras]
 
 
@@ -180,7 +180,7 @@ def test_without_small_gicp_its_extra_is_named() -> None:
 
 def test_what_no_mask_names_is_matter_of_the_merged_scene() -> None:
     rng = np.random.default_rng(0)
-    with scenario_called("pile", 1) as stage:
+    with scenario("pile", 1) as stage:
         stage.world.add(box("wall", (0.02, 0.8, 0.5)), pose_at(-0.4, 0.0, 0.0), fixed=True)
         images = [camera.look(stage.world, rng) for camera in stage.cameras[:2]]
     views = [

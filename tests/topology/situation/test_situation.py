@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.planner import order
 from topple.planner.decide.dependency import dependencies
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.robots.shapes import bowl, box, plate, spoon
 from topple.topology import InvalidInput, Relation, Relations, Scene, UnknownObject, relate
 from topple.topology.situation.situation import Situation
@@ -109,7 +109,7 @@ def test_every_edge_says_what_it_rests_on(laid: Scene) -> None:
 
 
 def test_what_cameras_show_of_an_edge_is_told_by_the_pixel() -> None:
-    with scenario_called("dishes", 0) as stage:
+    with scenario("dishes", 0) as stage:
         images = [camera.look(stage.world, np.random.default_rng(0)) for camera in stage.cameras]
     scene = Scene.from_images(images, up=(0, 0, 1))
     edges = order(scene, "plate").to_json()["dependencies"]

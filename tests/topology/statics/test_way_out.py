@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.robots.shapes import box
-from topple.topology.base.arrays import FloatArray
-from topple.topology.statics.way_out import way_out
+from topple.topology.base.arrays import BoolArray, FloatArray
+from topple.topology.statics.way_out import boards_going_on, way_out
 
 UP = np.array([0.0, 0.0, 1.0])
 TURN = Rotation.from_euler("zyx", [0.4, 0.3, -0.2]).as_matrix()
@@ -59,3 +59,21 @@ def test_a_wall_that_a_thin_thing_stands_against_is_not_over_it() -> None:
     wall = slab((0.02, 0.6, 0.3), -0.017, 0.0, 0.0)
     assert np.array_equal(way_out(thin, np.concatenate([TABLE, wall]), UP), UP)
     assert not np.array_equal(way_out(thin, np.concatenate([TABLE, BOARD]), UP), UP)
+
+
+def test_a_board_that_a_picture_ends_on_goes_on_over_its_shelf_unless_that_is_seen_to_be_empty() -> None:
+    shelf = np.concatenate(
+        [slab((0.5, 0.6, 0.02), 0.15, 0.0, -0.02), slab((0.12, 0.6, 0.02), -0.04, 0.0, 0.3)]
+    )
+
+    def hidden(places: FloatArray) -> BoolArray:
+        return np.zeros(len(places), dtype=np.bool_)
+
+    guessed = boards_going_on(shelf, UP, hidden)
+    assert np.allclose(np.ptp(guessed, axis=0), [0.5, 0.6, 0.0], atol=0.03)
+    assert np.allclose(guessed[:, 2], 0.32, atol=0.004)
+    thing = THING + np.array([0.08, 0.0, 0.0])
+    assert np.array_equal(way_out(thing, shelf, UP), UP)
+    assert np.allclose(way_out(thing, np.concatenate([shelf, guessed]), UP), [-1.0, 0.0, 0.0], atol=0.02)
+    assert len(boards_going_on(shelf, UP, lambda places: ~hidden(places))) == 0
+    assert len(boards_going_on(TABLE, UP, hidden)) == 0

@@ -7,7 +7,7 @@ import trimesh
 
 from topple.planner.decide.dependency import dependencies
 from topple.planner.execution.look import Observer
-from topple.robots.scenarios import scenario_called
+from topple.robots import scenario
 from topple.robots.scenarios.scenario import Scenario, pose_at
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Noise
@@ -21,7 +21,7 @@ from topple.topology.views.image import DepthImage
 
 @pytest.fixture(scope="module")
 def pile() -> Iterator[Scenario]:
-    with scenario_called("pile", 702) as stage:
+    with scenario("pile", 702) as stage:
         yield stage
 
 
