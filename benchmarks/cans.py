@@ -55,7 +55,7 @@ def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -
         at = np.array(
             [[float(x) - FRONT, float(y)] for x, y, _ in (each for each in fields if len(each) == 3)]
         )
-        for target, (first, told) in _asked(at, seed).items():
+        for target, (first, told) in _orders_of(at, seed).items():
             right.append(first == told)
             plain.append(not first)
             if first != told:
@@ -71,7 +71,7 @@ def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -
     return [row.to_json()]
 
 
-def _asked(at: FloatArray, seed: int) -> Mapping[str, tuple[set[str], set[str]]]:
+def _orders_of(at: FloatArray, seed: int) -> Mapping[str, tuple[set[str], set[str]]]:
     """Can -> what has to go before it, and what is told to, of cans at places (N, 2) in the bay [m]."""
     names = [f"can_{number}" for number in range(len(at))]
     with new_world() as world:

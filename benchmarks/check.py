@@ -302,10 +302,7 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
 
 
 def _rows(
-    kind: str,
-    spoilt: Mapping[tuple[str, bool], int],
-    told: Mapping[tuple[str, str], int],
-    wrong: list[str],
+    kind: str, spoilt: Mapping[tuple[str, bool], int], told: Mapping[tuple[str, str], int], wrong: list[str]
 ) -> Iterator[Row]:
     """The figures of one kind of scenes."""
     for spoil in SPOILS:

@@ -22,6 +22,7 @@ CHECKS = (
     "assemblies",
     "textbook",
     "cans",
+    "mbm",
     "engines",
     "reliability",
     "speed",

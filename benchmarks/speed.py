@@ -95,11 +95,7 @@ QUICK = Extent(((10_000, RELATIONS),), ((30, WALL),), (40, 100), 1, 1.5, whole=F
 
 
 def rows(
-    quick: bool,
-    seed: int,
-    progress: Progress,
-    data: Path | None = None,
-    against: str | None = None,
+    quick: bool, seed: int, progress: Progress, data: Path | None = None, against: str | None = None
 ) -> list[dict[str, Any]]:
     """Measure.
 

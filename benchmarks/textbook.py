@@ -69,10 +69,7 @@ SCENES: dict[str, tuple[dict[str, FloatArray], str]] = {
         "post 1 1",
     ),
     "discs": ({f"disc {k}": disc(7 - k, 2.5, 2.5 * k) for k in range(3)}, "disc 0"),
-    "leaning book": (
-        {"block": box((7, 9, 16), -3.5, 0, 0), "book": leaning((2.5, 12, 16))},
-        "block",
-    ),
+    "leaning book": ({"block": box((7, 9, 16), -3.5, 0, 0), "book": leaning((2.5, 12, 16))}, "block"),
     "bridges": (
         {f"pier {k} {y}": box((5, 4, 8), 0, 5 * y, 10 * k) for k in range(2) for y in (-1, 1)}
         | {f"deck {k}": box((5, 16, 2), 0, 0, 8 + 10 * k) for k in range(2)},

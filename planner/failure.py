@@ -38,7 +38,7 @@ HELP = {
     Check.ROOM: "another hand may take it",
     Check.REACH: "a base nearer to it, or an arm that reaches further, would get there",
     Check.COLLISION: "more room around it, or another place for the base, would help",
-    Check.SEARCH: "another --seed may find a way",
+    Check.SEARCH: "another seed may find a way",
     Check.STAND: "a level place with room for it would help",
     Check.STRENGTH: "an arm that carries more would help",
     Check.PROOF: "more room along the way would help",

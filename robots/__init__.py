@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from topple.robots.catalog import robot
     from topple.robots.driver import Driver
     from topple.robots.engines import arm_in, new_world
-    from topple.robots.scenarios.called import scenario
+    from topple.robots.scenarios.by_name import scenario
     from topple.robots.scenarios.scenario import around
     from topple.robots.world.bodies import Body
     from topple.robots.world.camera import Camera
@@ -41,7 +41,7 @@ __getattr__, __dir__ = lazy_names(
         "catalog": "robot",
         "driver": "Driver",
         "engines": "arm_in new_world",
-        "scenarios.called": "scenario",
+        "scenarios.by_name": "scenario",
         "scenarios.scenario": "around",
         "world.bodies": "Body",
         "world.camera": "Camera",

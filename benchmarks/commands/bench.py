@@ -25,7 +25,7 @@ _WITH_VALUES = (
     (
         "--data",
         "DIR",
-        "relate, order, run, rearrange, towers, libero, assemblies, cans, speed, truth: data of a folder",
+        "relate, order, run, rearrange, towers, libero, assemblies, cans, mbm, speed, truth: a folder's data",
     ),
     ("--piles", "DIR", "order: score recorded piles of a folder; truth: those too, beside --data"),
     (
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or check, towers, libero, assemblies, textbook, cans, engines, reliability, speed or truth",
+        "or check, towers, libero, assemblies, textbook, cans, mbm, engines, reliability, speed or truth",
     )
     for option, metavar, purpose in _WITH_VALUES:
         parser.add_argument(option, metavar=metavar, help=purpose)

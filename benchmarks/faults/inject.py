@@ -8,16 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.benchmarks.faults.arms import Jammed, Leaking, Misplaced, Pushed, Through
-from topple.benchmarks.faults.cameras import (
-    Dark,
-    Eye,
-    Late,
-    Millimetres,
-    Split,
-    Swapped,
-    TakenAway,
-    Unseen,
-)
+from topple.benchmarks.faults.cameras import Dark, Eye, Late, Millimetres, Split, Swapped, TakenAway, Unseen
 from topple.benchmarks.faults.scene import ASIDE, LOWER, UPPER, small_scene
 from topple.planner.decide.goal import parse_goal
 from topple.planner.execution.attained import truly_unmet

@@ -108,11 +108,7 @@ def _graspnet() -> Parts:
 
 def _contact_graspnet() -> Parts:
     hands = np.tile(np.eye(4), (2, 1, 1))
-    stored = {
-        "pred_grasps_cam": hands,
-        "scores": np.ones(2),
-        "gripper_openings": np.full(2, 0.04),
-    }
+    stored = {"pred_grasps_cam": hands, "scores": np.ones(2), "gripper_openings": np.full(2, 0.04)}
     return {f"{name}.npy": npy({1: one}) for name, one in stored.items()}
 
 

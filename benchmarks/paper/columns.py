@@ -72,9 +72,7 @@ def boxes(scene: Scene) -> Answer:
     """The paper's rule with axis-aligned boxes instead of hulls."""
     limits = {name: (cloud.min(axis=0), cloud.max(axis=0)) for name, cloud in scene.clouds.items()}
     return {
-        (a, b): classify(
-            [_counts(scene.clouds[a], *limits[b]), _counts(scene.clouds[b], *limits[a])],
-        )
+        (a, b): classify([_counts(scene.clouds[a], *limits[b]), _counts(scene.clouds[b], *limits[a])])
         for a, b in combinations(scene.names, 2)
     }
 

@@ -112,8 +112,7 @@ def scene_10(world: World, rng: np.random.Generator, things: Things) -> None:
     turned = Rotation.from_euler("z", yaw).apply(banana.centre_of_mass.copy())
     height = _top(world, "tuna_can") + DROP - float(banana.lower[2])
     world.add(
-        banana,
-        pose_at(heavy[0] - turned[0], heavy[1] - turned[1], height, Rotation.from_euler("z", yaw)),
+        banana, pose_at(heavy[0] - turned[0], heavy[1] - turned[1], height, Rotation.from_euler("z", yaw))
     )
 
 

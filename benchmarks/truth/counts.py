@@ -11,6 +11,7 @@ from topple.benchmarks.guesses import Guess
 from topple.benchmarks.scores import DRAWS, Labels, judged, unsafe_steps
 from topple.benchmarks.truth.geometry import RelationLabels
 from topple.benchmarks.truth.mask_faults import NO_FAULTS, MaskFaults
+from topple.planner.decide.words import how_sure
 from topple.topology.sixim.table import Relation
 
 UNNAMED = ("without a name", "no mask names")
@@ -120,12 +121,9 @@ def count(
     if "refused" in found:
         needed = sum(sign == 1 for firsts in labels.values() for sign in firsts.values())
         return Counts(**always, unanswered=1, missed=needed)
-    objects: list[str] = found["objects"]
-    names = [name for name in labels if name in objects]
-    direct = {(first, then) for first, then, *_ in found["dependencies"]}
-    guess = Guess(frozenset(direct), tuple(found["order"]), tuple(map(tuple, found["groups"])))
+    guess, names = _guessed(found, labels)
     verdicts = judged(guess, labels, names)
-    known = [pair for pair in direct if set(pair) <= set(names) and labels[pair[1]].get(pair[0]) is not None]
+    known = [pair for pair in guess.pairs if {*pair} <= {*names} and labels[pair[1]].get(pair[0]) is not None]
     cycles = _cycles(labels, names)
     unsafe = dict(unsafe_steps(guess, labels, names))
     risks = {
@@ -154,6 +152,22 @@ def count(
         risk=sum(risks.values()),
         brier=sum((risk - (name in unsafe)) ** 2 for name, risk in risks.items()),
     )
+
+
+def words(found: Mapping[str, Any], labels: Labels) -> list[tuple[str, bool]]:
+    """How sure each step of an answer is said to be, and whether it disturbs something."""
+    if "refused" in found:
+        return []
+    guess, names = _guessed(found, labels)
+    unsafe, risk = dict(unsafe_steps(guess, labels, names)), found["risk"]
+    return [(how_sure(risk[name]), name in unsafe) for name in guess.order if name in risk and name in names]
+
+
+def _guessed(found: Mapping[str, Any], labels: Labels) -> tuple[Guess, list[str]]:
+    """An answer as it is judged, and the names that are."""
+    direct = frozenset((first, then) for first, then, *_ in found["dependencies"])
+    guess = Guess(direct, tuple(found["order"]), tuple(map(tuple, found["groups"])))
+    return guess, [name for name in labels if name in found["objects"]]
 
 
 def _of_relations(found: Mapping[str, Any], relations: RelationLabels) -> dict[str, int]:

@@ -45,6 +45,7 @@ from topple.benchmarks.truth.counts import (
     count,
     difference,
     interval,
+    words,
 )
 from topple.benchmarks.truth.floors import POOL, Floors
 from topple.benchmarks.truth.mask_faults import INACCURATE, WRONG
@@ -115,7 +116,7 @@ def rows(
     masked = list(masked_cases(some, ALWAYS_MASKED if quick else (*INACCURATE, *WRONG), FOLDER / "given"))
     cases += masked
     found = _asked(version, [case.question for case in cases], progress)
-    told = [*_figures(cases, found)]
+    told = [*_figures(cases, found), *_called(cases, found)]
     chance: dict[tuple[str, str, str], float] = {}
     if not quick or write:
         jittered, chance = _jitter(version, known, found, progress)
@@ -313,6 +314,19 @@ def _bins(cases: Sequence[Case], found: Answers) -> list[Row]:
                 low_held, high_held = (share / 100 for share in share_interval(sum(signs), len(signs)))
                 what = f"true of dependencies told with {low:g} to {high:g}: {view}, {len(signs)}"
                 told.append(Row(what, sum(signs) / len(signs), "", interval=(low_held, high_held)))
+    return told
+
+
+def _called(cases: Sequence[Case], found: Answers) -> list[Row]:
+    """How many of the steps that are called sure, likely or a guess disturb something."""
+    told = list[Row]()
+    for view in VIEWS:
+        asked = (case for case in cases if case.set in SETS and case.view == view)
+        every = [step for case in asked for step in words(found[case.question], case.labels)]
+        for word in sorted({word for word, _ in every}):
+            signs = [sign for called, sign in every if called == word]
+            what, bounds = f"that disturb: {view}, {len(signs)}", share_interval(sum(signs), len(signs))
+            told.append(Row(f"steps called {word} {what}", 100 * float(np.mean(signs)), "%", interval=bounds))
     return told
 
 

@@ -2,11 +2,25 @@
 
 import argparse
 import math
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from topple.planner.cli.main import ShowVersion
 from topple.robots.engines import DEFAULT_ENGINE, ENGINES
+
+
+class ShowVersion(argparse.Action):
+    """Looks the version up only when asked: the metadata takes longer than the rest of the start."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print the version and leave."""
+        from importlib.metadata import version
+
+        from topple.topology.base.errors import DISTRIBUTION
+        from topple.topology.kernels.compiled import path_in_words
+
+        sys.stdout.write(f"topple {version(DISTRIBUTION)}, {path_in_words()}\n")
+        parser.exit()
 
 
 def _above(least: float, number: Callable[[str], float], expected: str) -> Callable[[str], float]:
@@ -55,10 +69,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "which image of a BOP scene or frame of a recording (its first)",
     },
-    "--keyframe": {
-        "metavar": "NAME",
-        "help": "name or number of a keyframe of an MJCF scene (initial)",
-    },
+    "--keyframe": {"metavar": "NAME", "help": "name or number of a keyframe of an MJCF scene (initial)"},
     "--models": {
         "nargs": "?",
         "const": True,
@@ -77,21 +88,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--info": {"metavar": "TOPIC", "help": "topic of its camera's intrinsics (the only one)"},
     "--labels": {"metavar": "TOPIC", "help": "topic of its masks (the only one)"},
     # many scenes
-    "--jobs": {
-        "type": count,
-        "metavar": "N",
-        "help": "several scenes: so many processes (one a core)",
-    },
+    "--jobs": {"type": count, "metavar": "N", "help": "several scenes: so many processes (one a core)"},
     "--cluster": {"metavar": "ADDRESS", "help": "several scenes: the workers of a dask scheduler"},
     # relations and orders
-    "--rule": {
-        "metavar": "NAME",
-        "help": "what relates: robust, plain or a plugin's (robust)",
-    },
-    "--orderer": {
-        "metavar": "NAME",
-        "help": "what orders: fewest, cautious or a plugin's (fewest)",
-    },
+    "--rule": {"metavar": "NAME", "help": "what relates: robust, plain or a plugin's (robust)"},
+    "--orderer": {"metavar": "NAME", "help": "what orders: fewest, cautious or a plugin's (fewest)"},
     "--max-objects": {
         "type": count,
         "metavar": "N",
@@ -178,12 +179,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "help": "wall-clock seconds that the answer may take; what takes longer fails",
     },
     # simulation
-    "--cameras": {
-        "type": int,
-        "choices": (1, 2, 3),
-        "default": 3,
-        "help": "depth cameras that look on (3)",
-    },
+    "--cameras": {"type": int, "choices": (1, 2, 3), "default": 3, "help": "depth cameras that look on (3)"},
     "--mask-noise": {
         "type": float,
         "default": 0.0,

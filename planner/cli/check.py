@@ -70,7 +70,7 @@ def _document(reading: Reading, margins: bool, played: bool, drawn: Path | None,
         as_picture = drawn.suffix.lower() == ".png"
         draw = check_picture if as_picture else partial(check_page, title=Path(path).name)
         write_whole(drawn, draw(situation.scene, document))
-    return document
+    return reading.said(situation.scene, document)
 
 
 def _mend(reading: Reading, path: str, output: str, as_json: bool) -> int:

@@ -1,9 +1,18 @@
 """What goes to stdout: JSON lines, or tables for people."""
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
+
+from topple.planner.cli.arguments import OPTIONS
+
+_OPTIONS = {"most_bytes": "--max-mb", "most_objects": "--max-objects"}
+"""Keywords of Python whose options are called otherwise."""
+
+_ELSE = re.compile(r",? or pose_source_to_world=\w+")
+"""What Python alone can be given."""
 
 _WIDTH = 120  # columns where stdout is no terminal: wide enough that no name is cut
 
@@ -26,10 +35,21 @@ def complain(*lines: str) -> None:
     """Say on stderr what is wrong, each thing on one line.
 
     Args:
-        lines: What is wrong; line breaks within become blanks.
+        lines: What is wrong, in the words of Python or of the command line; line breaks become blanks.
     """
     for line in lines:
-        sys.stderr.write(f"topple: {' '.join(line.split())}\n")
+        sys.stderr.write(f"topple: {in_options(' '.join(line.split()))}\n")
+
+
+def in_options(text: str) -> str:
+    """A message of the library as the command line says it: its options in place of keywords of Python."""
+    flags = {flag.lstrip("-").replace("-", "_"): flag for flag in OPTIONS} | _OPTIONS
+
+    def option(match: re.Match[str]) -> str:
+        value = re.sub(r"[][,']", "", match[2]).removesuffix("True")
+        return f"{flags[match[1]]} {value}".rstrip()
+
+    return re.sub(rf"(?<![\w.])({'|'.join(flags)})=(\[[^]]*\]|[^\s,:;)]*)", option, _ELSE.sub("", text))
 
 
 def print_text(*lines: str) -> None:

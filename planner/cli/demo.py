@@ -31,11 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(parser, "--robot", help=made_for)
     parser.add_argument(
-        "-o",
-        "--output",
-        default=_FOLDER,
-        metavar="FOLDER",
-        help=f"where everything is written ({_FOLDER})",
+        "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
     )
 
 

@@ -19,6 +19,7 @@ from importlib.util import find_spec
 from types import ModuleType
 from typing import NoReturn
 
+from topple.planner.cli.arguments import ShowVersion
 from topple.planner.cli.console import complain
 
 DONE, NO_SAFE_PLAN, WRONG_USE, CRASHED, INTERRUPTED = 0, 1, 2, 70, 130
@@ -38,7 +39,7 @@ COMMANDS = {
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
     "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene, ROS 2",
     "mcp": "serve these tools to a language model over stdin and stdout (Model Context Protocol)",
-    "view": "serve a scene as a live page with sliders for its deviation and its steps",
+    "view": "serve a scene as a live page: any deviation, its order or plan played, reasons at a click",
     "show": "draw a scene with its relations and its order",
 }
 
@@ -123,20 +124,6 @@ class ShowCompletion(argparse.Action):
         parser.exit(DONE)
 
 
-class ShowVersion(argparse.Action):
-    """Looks the version up only when asked: the metadata takes longer than the rest of the start."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        """Print the version and leave."""
-        from importlib.metadata import version
-
-        from topple.topology.base.errors import DISTRIBUTION
-        from topple.topology.kernels.compiled import path_in_words
-
-        sys.stdout.write(f"topple {version(DISTRIBUTION)}, {path_in_words()}\n")
-        parser.exit(DONE)
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line.
 
@@ -212,7 +199,7 @@ def _run(arguments: list[str]) -> int:
     command = _module(args.command)
     from topple.topology.base.errors import InvalidInput, ToppleError
 
-    args.parser = commands[args.command]
+    args.parser, args.said = commands[args.command], tuple
     logging.basicConfig(format="topple: %(message)s")  # warnings: of plugins that are left out
     try:
         return int(command.execute(args))
@@ -226,8 +213,7 @@ def _run(arguments: list[str]) -> int:
 
             goal = args.goal or args.to or f"free {' '.join(args.target)}"
             print_json(refusal_json(args.command, error, goal))
-        message = str(error)
-        certificate: tuple[str, ...] = getattr(error, "certificate", ())
+        message, *certificate = args.said((str(error), *getattr(error, "certificate", ())))
         complain(message, *(line for line in certificate if line not in message))
         return NO_SAFE_PLAN
 

@@ -183,7 +183,7 @@ def kept_in(
         yield kept
 
 
-_NOT_ASKED = ("parser", "command", "scenes", "output", "jobs", "cluster", "json")
+_NOT_ASKED = ("parser", "said", "command", "scenes", "output", "jobs", "cluster", "json")
 """Arguments that say where scenes are answered, and how that is shown."""
 
 

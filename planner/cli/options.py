@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from topple.planner.cli.robot_options import seen_robot
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from topple.topology.base.arrays import FloatArray
     from topple.topology.relations.relate import Relations
     from topple.topology.scene.scene import Scene
+
+Answer = TypeVar("Answer")
 
 _SCENE_SUFFIXES = (".npz", ".npy")
 _OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "labels", "view", "masks")  # of one each
@@ -112,6 +114,7 @@ class Reading:
         options: What was given of the options that one format alone has, and the folder of known models.
         robot: What says where in a scene the bodies of a robot in its picture are; none without --joints.
         as_they_are: Whether masks are trusted that are wrong in kind.
+        in_words: Whether people read the answer, who call an object by more than its label's number.
     """
 
     fixed: tuple[str, ...]
@@ -121,6 +124,7 @@ class Reading:
     options: Mapping[str, Any]
     robot: "Callable[[Scene], Sequence[FloatArray]] | tuple[()]" = ()
     as_they_are: bool = False
+    in_words: bool = False
 
     @staticmethod
     def of(args: argparse.Namespace) -> "Reading":
@@ -130,7 +134,12 @@ class Reading:
         options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
         trusted = getattr(args, "masks_as_they_are", False)
         given = (tuple(args.fixed or ()), up, most, args.allow_outside, options)
-        return Reading(*given, seen_robot(args), trusted)
+        return Reading(
+            *given,
+            seen_robot(args),
+            trusted,
+            not (args.json or ("cluster" in args and vars(args).get("output"))),
+        )
 
     def scene(self, path: str) -> "Scene":
         """Read the scene at a path.
@@ -151,10 +160,19 @@ class Reading:
         )
         return found.with_masks_as_they_are() if self.as_they_are else found
 
+    def said(self, scene: "Scene", answer: Answer) -> Answer:
+        """An answer to a scene, in words with names for its numbers."""
+        from topple.planner.report.names import spoken
+
+        return spoken(scene, answer) if self.in_words else answer
+
 
 def read_scene(args: argparse.Namespace, path: str) -> "Scene":
-    """Read one of the scenes as the options say; see `Reading.scene`."""
-    return Reading.of(args).scene(path)
+    """Read one of the scenes as the options say, for what is said of it too; see `Reading.scene`."""
+    reading = Reading.of(args)
+    scene = reading.scene(path)
+    args.said = partial(reading.said, scene)
+    return scene
 
 
 def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":

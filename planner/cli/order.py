@@ -7,15 +7,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import (
-    COMMON,
-    SEEN_ROBOT,
-    add,
-    add_jobs,
-    add_kept,
-    add_scenes,
-    count,
-)
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_jobs, add_kept, add_scenes, count
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
@@ -27,8 +19,8 @@ from topple.planner.cli.tables import (
     print_assumptions,
     print_build,
     print_moves,
-    print_next_view,
     print_order,
+    with_next_view,
 )
 
 if TYPE_CHECKING:
@@ -91,10 +83,8 @@ def execute(args: argparse.Namespace) -> int:
     whole = "--build" if args.build else "--to"
     of_some = args.target or args.verify or args.robot or args.hands or args.clamped
     if (args.build or args.to) and (of_some or (args.build and args.to)):
-        others = "--target, --verify, --robot, --hands" + (
-            ", --clamped and --to" if args.build else " and --clamped"
-        )
-        args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
+        others = "--robot, --hands" + (", --clamped and --to" if args.build else " and --clamped")
+        args.parser.error(f"{whole} is about the whole arrangement: leave --target, --verify, {others} out")
     own = args.verify or args.robot or args.hands or args.clamped or args.next_view or args.build or args.to
     if args.orderer is not None and own:
         others = "--verify, --robot, --hands, --clamped, --next-view, --build and --to"
@@ -104,15 +94,8 @@ def execute(args: argparse.Namespace) -> int:
         from topple.topology.relations.relate import relate
 
         relating = partial(relating or relate, most_objects=args.max_objects)
-    arm = arm_of(args) if args.robot else None
-    options = {
-        "seed": args.seed,
-        "verify": args.verify,
-        "budget": args.budget,
-        "robot": arm,
-        "hands": args.hands,
-        "clamped": args.clamped,
-    }
+    options = {key: getattr(args, key) for key in ("seed", "verify", "budget", "hands", "clamped")}
+    options["robot"] = arm_of(args) if args.robot else None
     scene_paths(args)  # which may be among the names of --fixed and --target
     reading = Reading.of(args)
     ask: _Ask = partial(_ordered, args.target, args.next_view, options)
@@ -149,21 +132,17 @@ def _answer(
 
     scene = reading.scene(path)
     answer = ask(Situation.of(scene, None if relating is None else relating(scene)))
-    return replace(answer, document={**answer.document, **models_in(scene)})
+    return reading.said(scene, replace(answer, document={**answer.document, **models_in(scene)}))
 
 
 def _ordered(
     target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation"
 ) -> _Answer:
     """The order in which things are taken, and from where to look next."""
-    from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order
 
     found = order(situation, target, **options)
-    document = found.to_json()
-    if look:
-        view = next_view(situation, target, found=found)
-        document["next_view"] = None if view is None else view.to_json()
+    document = with_next_view(situation, found, target) if look else found.to_json()
     return _Answer(document, len(situation.movable), found.certificate)
 
 
@@ -210,8 +189,6 @@ def _print(path: str, answer: _Answer) -> None:
         print_moves(path, answer.document)
     else:
         print_order(path, answer.document, answer.movable)
-        if "next_view" in answer.document:
-            print_next_view(answer.document["next_view"])
     print_assumptions(answer.document["assumptions"])
 
 

@@ -72,7 +72,8 @@ def execute(args: argparse.Namespace) -> int:
         found = plan(
             scene, goal, arm, upright=args.upright, clamped=args.clamped,
             away=away, allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
-            check=not args.verify, budget=args.budget, seed=args.seed, progress=progress,
+            check=not args.verify, budget=args.budget, seed=args.seed,
+            progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
         checked = None
         if args.verify:
@@ -93,6 +94,7 @@ def execute(args: argparse.Namespace) -> int:
     elif args.json:
         print_json(json.loads(document))
     else:
+        found, checked = args.said((found, checked))
         _print_plan(path, found)
         if checked is not None:
             _print_verification(checked)

@@ -87,7 +87,7 @@ def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: 
         document = _document((path, file), arm.name, reach, ranked)
         print_json({**document, "grasps_in": "scene" if frame is None else "camera"})
         return
-    _print((path, file), grasps.source, ranked)
+    _print((path, file), grasps.source, args.said(ranked))
     if not reach:
         print_text("Reach was not asked: give --base, or a scene with robot_base.")
     if frame is not None:

@@ -58,7 +58,7 @@ def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: 
     scene = reading.scene(path)
     relations = relate(scene, **options)
     told = relations.to_json(far=all_pairs or len(scene.names) <= ALL_PAIRS_UP_TO)
-    return {**told, "assumptions": list(scene.assumptions), **models_in(scene)}
+    return reading.said(scene, {**told, "assumptions": list(scene.assumptions), **models_in(scene)})
 
 
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:

@@ -53,19 +53,21 @@ def execute(args: argparse.Namespace) -> int:
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
             ahead=args.ahead, engine=args.engine, video=video, lerobot=taught, photos=place is not None,
             orderer=orderer or cautious, relate=relating,
-            seed=args.seed, progress=progress,
+            seed=args.seed, progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
+        from topple.planner.report.names import spoken
+
+        said = spoken(scene, record)
         if place is not None:
             from topple.planner.report.run_page import run_page
 
-            write_whole(place, run_page(record))
-    document = record.to_json()
+            write_whole(place, run_page(said))
     if args.json:
-        print_json(document)
+        print_json(record.to_json())
     else:
-        print_run(path, document)
-        print_text(*(f"Note: {note.rstrip('.')}." for note in record.notes))
+        print_run(path, said.to_json())
+        print_text(*(f"Note: {note.rstrip('.')}." for note in said.notes))
         for written in filter(None, (place, video, taught)):
             print_text(f"Written: {written}")
-    complain(*(f"{path}: {violation}" for violation in record.violations))
+    complain(*(f"{path}: {violation}" for violation in said.violations))
     return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN

@@ -2,19 +2,18 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.tables import models_in, print_assumptions
+from topple.planner.cli.tables import models_in, print_assumptions, with_next_view
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.files import check_writable, write_whole
 
 if TYPE_CHECKING:
-    from topple.planner.decide.arrange import Order
     from topple.topology.relations.relate import Relations
     from topple.topology.scene.scene import Scene
 
@@ -76,9 +75,10 @@ def _output(given: str | None, scene: str) -> Path:
     return check_writable(place)
 
 
-def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> "Order | None":
-    """The order, or None where it was not asked for by name and gravity is unknown."""
+def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> dict[str, Any] | None:
+    """The document of the order, or None where it was not asked for by name and gravity is unknown."""
     from topple.planner.planning.order import order
+    from topple.topology.situation.situation import Situation
 
     if not args.target and (scene.up is None or not scene.movable):
         return None
@@ -86,12 +86,18 @@ def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> 
     if orderer is not None:
         from topple.planner.planning.step import order_by
 
-        return order_by(orderer, scene, args.target, relations, args.seed)
-    return order(scene, args.target, seed=args.seed, relations=relations)
+        return order_by(orderer, scene, args.target, relations, args.seed).to_json()
+    situation = Situation.of(scene, relations)
+    return with_next_view(situation, order(situation, args.target, seed=args.seed), args.target)
 
 
 def _drawn(
-    place: Path, title: str, scene: "Scene", relations: "Relations", order: "Order | None", progress: Progress
+    place: Path,
+    title: str,
+    scene: "Scene",
+    relations: "Relations",
+    order: dict[str, Any] | None,
+    progress: Progress,
 ) -> str | bytes:
     kind = place.suffix.lower()
     if kind == ".gif" and order is not None:
@@ -101,7 +107,7 @@ def _drawn(
     if kind == ".svg" and order is not None:
         from topple.planner.report.graph import graph_file
 
-        return graph_file(scene, order.to_json())
+        return graph_file(scene, order)
     if kind == ".png":
         from topple.planner.report.figure import show_picture
 

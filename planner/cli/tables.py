@@ -3,11 +3,13 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.console import print_table, print_text
+from topple.planner.cli.console import in_options, print_table, print_text
 from topple.topology.base.values import rounded
 
 if TYPE_CHECKING:
+    from topple.planner.decide.arrange import Order
     from topple.topology.scene.scene import Scene
+    from topple.topology.situation.situation import Situation
 
 Document = Mapping[str, Any]
 
@@ -35,11 +37,7 @@ def print_relations(title: str, document: Document) -> None:
 
 
 def _pair(pair: Document) -> tuple[str, ...]:
-    notes = (
-        pair.get("kind"),
-        pair.get("reason"),
-        "" if pair["observed"] else "not observed",
-    )
+    notes = (pair.get("kind"), pair.get("reason"), "" if pair["observed"] else "not observed")
     gap = f"{'' if pair['gap_exact'] else '> '}{rounded(pair['gap'] * 1000, 1)}"
     matrix = "; ".join(" ".join(str(count) for count in row) for row in pair["matrix"])
     note = ", ".join(note for note in notes if note)
@@ -67,19 +65,20 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 
 
-def print_next_view(view: Document | None) -> None:
-    """Print from where to look next.
+def with_next_view(asked: "Situation", found: "Order", targets: list[str] | None) -> dict[str, Any]:
+    """The document of an order with the place to look from next, and its side as the first camera has it."""
+    import numpy as np
 
-    Args:
-        view: The entry `next_view` of an order's document.
-    """
-    if view is None:
-        print_text("Next view: none would show anything more that the order depends on.")
-        return
-    eye, target = ("(" + ", ".join(f"{value:.2f}" for value in view[key]) + ")" for key in ("eye", "target"))
-    told = ", ".join(f"{one['a']} and {one['b']}" for one in view["shows"][:3])
-    share = f"{100 * view['worth']:.0f} % of what is hidden and matters"
-    print_text(f"Next view: from {eye} towards {target} m, which shows {share}: where {told} may meet.")
+    from topple.planner.decide.words import side_of
+    from topple.planner.planning.next_view import next_view
+
+    view, scene, up = next_view(asked, targets, found=found), asked.scene, asked.scene.up
+    if view is None or up is None:
+        return {**found.to_json(), "next_view": None}
+    seen = scene.images[0].pose_camera_to_world[:3, 0] if scene.images else None
+    right = np.cross(view.target - scene.viewpoints[0], up) if seen is None else seen
+    told = {**view.to_json(), "from": side_of(view.eye - view.target, right, up)}
+    return {**found.to_json(), "next_view": told}
 
 
 def print_build(title: str, document: Document) -> None:
@@ -162,4 +161,4 @@ def print_assumptions(assumptions: list[str]) -> None:
     Args:
         assumptions: The sentences.
     """
-    print_text(*(f"Assumed: {assumption.rstrip('.')}." for assumption in assumptions))
+    print_text(*(f"Assumed: {in_options(assumption).rstrip('.')}." for assumption in assumptions))

@@ -40,13 +40,7 @@ def execute(args: argparse.Namespace) -> int:
         plan = None if args.plan is None else read_plan(args.plan)
         progress(f"{path}: relating {len(scene.names)} objects")
         page = LivePage(
-            scene,
-            plan,
-            rule=args.rule,
-            orderer=orderer,
-            seed=args.seed,
-            host=args.host,
-            port=args.port,
+            scene, plan, rule=args.rule, orderer=orderer, seed=args.seed, host=args.host, port=args.port
         )
     try:
         if args.json:

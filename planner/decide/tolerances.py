@@ -69,10 +69,10 @@ LIKELY = 0.5
 # -- words
 
 SURELY = 0.05
-"""Risk below which a step is called sure: 2 of 100 such steps move something else (one camera, 619 steps)."""
+"""Risk below which a step is called sure: 1 of 100 such steps move something else (one camera, 130 steps)."""
 
 GUESS = 0.3
-"""Risk from which it is called a guess: 18 of 100 do (135 steps); between the two 11 (689 steps)."""
+"""Risk from which it is called a guess: 6 of 100 do (17 steps: too few); between the two 10 (181 steps)."""
 
 LABEL = 18
 """Letters of a name in a picture; its tooltip has all of it."""

@@ -3,8 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from topple.planner.decide.hold import Hold
 from topple.planner.decide.tolerances import GUESS, LABEL, SURELY
+from topple.topology.base.arrays import FloatArray
 from topple.topology.base.values import rounded
 
 Document = Mapping[str, Any]
@@ -88,7 +91,13 @@ def order_heading(order: Document, movable: int | None = None) -> str:
 
 def order_rows(order: Document) -> list[tuple[str, ...]]:
     """A row for each step of a `topple.order` document: number, object, why, and how sure it is."""
-    told, risk = order_in_words(order), order.get("risk") or {}
+    told, risk, at = order_in_words(order), order.get("risk") or {}, places(order)
+    look = order.get("next_view") or {"shows": ()}
+    for pair in look["shows"][:3]:
+        first, other = sorted((pair["a"], pair["b"]), key=lambda name: at.get(name, len(at) + 1))
+        if first in at and how_sure(risk.get(first) or 0.0) != "sure":
+            why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {other} is hidden."
+            told[at[first] - 1] = (first, why)
     if order.get("build"):
         told = [*zip(order["order"], (x.partition(": ")[2] for x in order["explanation"]), strict=True)]
     return [(str(i), name, why, how_sure(risk.get(name) or 0.0)) for i, (name, why) in enumerate(told, 1)]
@@ -102,7 +111,37 @@ def order_notes(order: Document) -> list[str]:
     ]
     for hold, words in zip(order.get("holds", ()), holds_in_words(order), strict=True):
         lines.append(f"With {'the fixture' if hold.get('fixture') else 'a second hand'}, {words}.")
+    if "next_view" in order:
+        lines.append(_look(order["next_view"]))
     return lines
+
+
+def _look(view: Document | None) -> str:
+    """From where to look next, and what that shows."""
+    if view is None:
+        return "Next view: none would show anything more that the order depends on."
+    eye, target = ("(" + ", ".join(f"{value:.2f}" for value in view[key]) + ")" for key in ("eye", "target"))
+    told = listed([f"{one['a']} and {one['b']}" for one in view["shows"][:3]])
+    share = f"{100 * view['worth']:.0f} % of what is hidden and matters"
+    return f"Next view: {view['from']}, {eye} towards {target} m, shows {share}: where {told} may meet."
+
+
+def side_of(way: FloatArray, right: FloatArray, up: FloatArray) -> str:
+    """Say from which side a place looks at what a camera looked at before, as that camera has it.
+
+    Args:
+        way: (3,) to the place from what it looks at [m].
+        right: (3,) to the right in the camera's picture.
+        up: (3,) unit vector.
+    """
+    across = right - up * float(right @ up)
+    across /= np.linalg.norm(across)
+    aside, behind, high = float(way @ across), float(way @ np.cross(up, across)), float(way @ up)
+    if high > 2.0 * np.hypot(aside, behind):  # by more than 63 degrees
+        return "from above"
+    if abs(aside) > abs(behind):
+        return "from the right" if aside > 0 else "from the left"
+    return "from behind" if behind > 0 else "from the front"
 
 
 def places(order: Document) -> dict[str, int]:

@@ -120,11 +120,13 @@ class Judge:
             self._gone.add(self._name)
             if self._how is Away.BIN and not State.of(self._world).within(self._name, BODIES[Away.BIN]):
                 wrong.append("it is not in the bin")
-        wrong += self._crept(now, displacements(before, now, handled))
+        moves, limits = displacements(before, now, handled), self._limits
+        wrong += self._crept(now, moves)
+        far = [name for name, (way, turn) in moves.items() if way > limits.distance or turn > limits.angle]
         return Verdict(
             tuple(wrong),
-            displacements(before, now, handled),
-            {name: self._fall(name, before[name], now[name]) for name in self._beyond(before, now)},
+            moves,
+            {name: self._fall(name, before[name], now[name]) for name in far},
             tilts(before, now, handled),
             {other: touch.force for other, touch in touched.items()},
             {other: touch.impulse for other, touch in touched.items()},
@@ -132,11 +134,6 @@ class Judge:
             dropped,
             self._world.time - self._started,
         )
-
-    def _beyond(self, before: Mapping[str, FloatArray], now: Mapping[str, FloatArray]) -> list[str]:
-        """What moved or turned by more than counts."""
-        moves, limits = displacements(before, now, self._handled), self._limits
-        return [name for name, (way, turn) in moves.items() if way > limits.distance or turn > limits.angle]
 
     def _fall(self, name: str, before: FloatArray, now: FloatArray) -> tuple[float, float]:
         """How far the middle of a body fell between two poses (4, 4) [m], and its energy by that [J]."""

@@ -232,7 +232,8 @@ class ClosedLoop:
                 step, look, found = self._act(look, chosen, goal)
                 steps.append(replace(step, events=(*said, *step.events)))
                 wrong += found
-                self._check_hand()
+                if self._stuck:  # whatever the arm did next, it would drag along what it holds
+                    raise ArmFault(self._stuck.rstrip("."))
                 self._check_place(look)
                 look, chosen = self._selector.next(look, goal)
             if chosen is not None:
@@ -282,15 +283,6 @@ class ClosedLoop:
         self._say(said)
         look = self.perception.look(look.scene, (again[0],))
         return look, self._selector.choose(look, goal), (said,)
-
-    def _check_hand(self) -> None:
-        """See that the hand let go of what it held.
-
-        Raises:
-            ArmFault: It did not.
-        """
-        if self._stuck:
-            raise ArmFault(self._stuck.rstrip("."))
 
     def _check_place(self, look: Look) -> None:
         """See that the arm is where it should be.

@@ -197,6 +197,6 @@ def _levelled(scene: Scene) -> tuple[str, FloatArray]:
 
 def _no_table(scene: Scene) -> str:
     if not scene.fixed:
-        return "nothing in the scene is fixed: name the table with --fixed NAME"
+        return "nothing in the scene is fixed: name the table with fixed=NAME"
     names = ", ".join(repr(name) for name in sorted(scene.fixed))
     return f"fixed {names}: no level surface is seen: expected a table or the boards of a shelf"

@@ -73,13 +73,13 @@ class TwoArms:
         """
         acting = self.acting(chosen)
         other = self._beside(acting)
-        outcome = self._tried(chosen, situation, acting, other, watch, monitor)
+        outcome = self._execute(chosen, situation, acting, other, watch, monitor)
         if other is None or outcome.motion is None:
             return outcome
         still = other.pose_base_to_world @ other.arm.forward(other.q_target, other.tool_state)[0]
         return replace(outcome, motion=replace(outcome.motion, beside=still))
 
-    def _tried(
+    def _execute(
         self,
         chosen: NextStep,
         situation: Situation,

@@ -6,15 +6,11 @@ from topple.planner.formats.plan_structs import SegmentData, Step
 from topple.planner.placement.away import IN_HAND
 from topple.planner.planning.plan_format import Plan
 
+_WAY, _HAND = ("step", "segment", "holding"), ("object", "tool", "opening", "cup_extension")
 ACTIONS = {
-    "move": ("FollowTrajectory", ("step", "segment", "holding")),
-    "approach": ("FollowTrajectory", ("step", "segment", "holding")),
-    "lift": ("FollowTrajectory", ("step", "segment", "holding")),
-    "transfer": ("FollowTrajectory", ("step", "segment", "holding")),
-    "place": ("FollowTrajectory", ("step", "segment", "holding")),
-    "retreat": ("FollowTrajectory", ("step", "segment", "holding")),
-    "grasp": ("Grasp", ("object", "tool", "opening", "cup_extension")),
-    "release": ("Release", ("object", "tool", "opening", "cup_extension")),
+    **dict.fromkeys(("move", "approach", "lift", "transfer", "place", "retreat"), ("FollowTrajectory", _WAY)),
+    "grasp": ("Grasp", _HAND),
+    "release": ("Release", _HAND),
 }
 """Per kind of segment the action node and its input ports; trajectories are looked up in plan.json."""
 HAND_ON = "HandOn", ("object", "how")

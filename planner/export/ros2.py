@@ -22,26 +22,14 @@ _SECOND = 1_000_000_000  # [ns]
 _TYPES = {
     "object_recognition_msgs/msg/ObjectType": "string key\nstring db",
     "control_msgs/msg/GripperCommand": "float64 position\nfloat64 max_effort",
-    "moveit_msgs/msg/CollisionObject": "\n".join(
-        [
-            "std_msgs/Header header",
-            "geometry_msgs/Pose pose",
-            "string id",
-            "object_recognition_msgs/ObjectType type",
-            "shape_msgs/SolidPrimitive[] primitives",
-            "geometry_msgs/Pose[] primitive_poses",
-            "shape_msgs/Mesh[] meshes",
-            "geometry_msgs/Pose[] mesh_poses",
-            "shape_msgs/Plane[] planes",
-            "geometry_msgs/Pose[] plane_poses",
-            "string[] subframe_names",
-            "geometry_msgs/Pose[] subframe_poses",
-            "byte ADD=0",
-            "byte REMOVE=1",
-            "byte APPEND=2",
-            "byte MOVE=3",
-            "byte operation",
-        ]
+    "moveit_msgs/msg/CollisionObject": (
+        "std_msgs/Header header\ngeometry_msgs/Pose pose\nstring id\n"
+        "object_recognition_msgs/ObjectType type\nshape_msgs/SolidPrimitive[] primitives\n"
+        "geometry_msgs/Pose[] primitive_poses\nshape_msgs/Mesh[] meshes\n"
+        "geometry_msgs/Pose[] mesh_poses\nshape_msgs/Plane[] planes\n"
+        "geometry_msgs/Pose[] plane_poses\nstring[] subframe_names\n"
+        "geometry_msgs/Pose[] subframe_poses\nbyte ADD=0\nbyte REMOVE=1\nbyte APPEND=2\n"
+        "byte MOVE=3\nbyte operation"
     ),
 }
 

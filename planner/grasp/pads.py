@@ -9,6 +9,7 @@ from topple.planner.grasp.tolerances import (
     EDGE,
     FEW,
     NORMAL_BIAS,
+    ROD,
     SLICES,
     SLOPE_LENGTH,
     SLOPED,
@@ -171,7 +172,7 @@ def _outline_angle(x: FloatArray, y: FloatArray, window: BoolArray, side: float)
     """(P,) angles between the pad and the outline along x, a line through the outermost of slices [rad]."""
     low = np.where(window, x, np.inf).min(axis=1)[:, None]
     high = np.where(window, x, -np.inf).max(axis=1)[:, None]
-    long = (high - low)[:, 0] >= 0.004  # a shorter one is a rod along the approach
+    long = (high - low)[:, 0] >= ROD
     share = (x - low) / np.maximum(high - low, 1e-12) * SLICES
     slices = np.minimum(np.where(window, share, 0.0).astype(int), SLICES - 1)
     row = np.arange(len(x))

@@ -275,8 +275,8 @@ def _check(grasps: Sequence[Grasp], scene: Scene, arm: Arm | None) -> None:
             return
     nearest = min(away, key=lambda name: away[name])
     raise InvalidInput(
-        f"no grasp is near anything: the nearest is {away[nearest]:.2f} m from {nearest}: give the frame "
-        "they are in (pose_source_to_world), in metres"
+        f"no grasp is near anything: the nearest is {away[nearest]:.2f} m from {nearest}: give them "
+        "in metres in the frame of the scene or its camera, or pose_source_to_world=POSE"
     )
 
 

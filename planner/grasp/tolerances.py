@@ -145,6 +145,9 @@ SLOPE_LENGTH = 0.01
 EDGE = 0.003
 """From the outermost point, what a pad touches first [m]."""
 
+ROD = 0.004
+"""[m] along the pads: what is shorter there is a rod along the approach, and has no outline."""
+
 SLICES = 4
 """Slices of an outline along the pads."""
 

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.placement.placement import Placement
+from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.placement.tolerances import CLEAR, OTHER_FACE, QUIET, SECONDS
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.collision.fcl_bodies import apart
-from topple.robots.engines import INSTALLED, rehearsal_world
+from topple.robots.engines import INSTALLED
 from topple.robots.poses import angle_between
 from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
@@ -27,6 +28,7 @@ class Drops:
         up: (3,) unit vector.
         loose: Others that can be pushed; they come to rest before anything is dropped.
         scene: Where masses and friction of the objects are given, if anywhere.
+        rehearsal: The world to do it in, for one `Drops` at a time; one of its own where None.
     """
 
     def __init__(
@@ -36,6 +38,7 @@ class Drops:
         up: FloatArray,
         loose: Collection[str] = (),
         scene: Scene | None = None,
+        rehearsal: Rehearsal | None = None,
     ) -> None:
         from topple.robots.world.bodies import Body
         from topple.robots.world.tolerances import FRICTION
@@ -48,21 +51,27 @@ class Drops:
             known = scene is not None and which in scene.centres
             return replace(made, centre_of_mass=scene.centres[which]) if scene and known else made
 
-        self.name, self._level = name, _levelling(up)
-        self._world = rehearsal_world()
-        for other in bodies:
-            if other != name:
-                self._world.add(body(other), self._level, fixed=other not in loose)
+        kept = Rehearsal(up) if rehearsal is None else rehearsal
+        self._own = kept if rehearsal is None else None
+        self.name, self._level, self._loose = name, kept.level, sorted({*loose} - {name})
+        rough = {} if scene is None else scene.friction
+        still = [other for other in bodies if other != name and other not in loose]
+        self._world = kept.among({other: (bodies[other], rough.get(other, FRICTION)) for other in still})
+        for other in self._loose:
+            self._world.add(body(other), self._level)
         if loose:
             self._world.settle(SECONDS)
-        self._settled = {other: self._world.pose(other) for other in sorted(loose)}
+        self._settled = {other: self._world.pose(other) for other in self._loose}
         self._world.add(body(name), self._level)
 
     def __enter__(self) -> "Drops":
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._world.close()
+        for moving in (self.name, *self._loose):
+            self._world.remove(moving)
+        if self._own is not None:
+            self._own.close()
 
     @property
     def centre_of_mass(self) -> FloatArray:
@@ -184,7 +193,11 @@ def _quietest(found: Sequence[tuple[tuple[float, ...], Placement]]) -> list[Plac
 
 
 def standing(
-    places: Sequence[Placement], name: str, situation: Situation, beside: Solids | None = None
+    places: Sequence[Placement],
+    name: str,
+    situation: Situation,
+    beside: Solids | None = None,
+    rehearsal: Rehearsal | None = None,
 ) -> list[Placement]:
     """Placements on a table, those marked that an object does not keep when it is let go there.
 
@@ -195,7 +208,8 @@ def standing(
         places: Placements on something fixed.
         name: The object.
         situation: Where it is now.
-        beside: Bodies that it may stand on besides what is fixed, by name.
+        beside: Bodies that it may stand on besides, by name.
+        rehearsal: The world to let it go in; one of its own where None.
 
     Returns:
         The placements in their order, with `rolls` where it does not stay, and those that it falls from.
@@ -203,11 +217,11 @@ def standing(
     if not places or not INSTALLED:
         return list(places)
     up, scene, whole = situation.up, situation.scene, situation.completed
-    ground = {**{other: whole[other] for other in scene.fixed}, **(beside or {})}
+    others = {**situation.solids, **(beside or {}), name: whole[name]}
     known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
     found: list[Placement] = []
     falls: list[Placement] = []
-    with Drops(name, {**ground, name: whole[name]}, up, scene=scene) as drops:
+    with Drops(name, others, up, scene=scene, rehearsal=rehearsal) as drops:
         for place in places:
             attitude = tuple(np.round(place.pose_before_to_after[:3, :3].T @ up, 3).tolist())
             if attitude not in known:
@@ -217,15 +231,3 @@ def standing(
             if turn is not None and place.tilt(up) < OTHER_FACE:
                 falls.append(replace(place, rolls=True, falls=True, rest="as it was, to fall as it will"))
     return [*found, *falls]
-
-
-def _levelling(up: FloatArray) -> FloatArray:
-    """(4, 4) turn that brings up (3,), a unit vector, to z; its transpose is its inverse."""
-    axis = np.cross(up, [0.0, 0.0, 1.0])
-    pose = np.eye(4)
-    if np.linalg.norm(axis) < 1e-9:
-        pose[:3, :3] = np.diag([1.0, np.sign(up[2]), np.sign(up[2])])
-        return pose
-    x = axis / np.linalg.norm(axis)
-    pose[:3, :3] = np.stack([x, np.cross(up, x), up])
-    return pose

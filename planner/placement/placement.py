@@ -118,19 +118,37 @@ def placements(
         spaces = free_spaces(
             situation, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
         )
-    middle = cloud.mean(axis=0)
     found = [
         [
-            place
+            spot
             for space in spaces
-            for place in _at_rest(cloud, parts, rest, space, up, pose_base_to_world, tolerances)
+            for spot in _at_rest(cloud, parts, rest, space, up, pose_base_to_world, tolerances)
         ]
         for rest in rests
     ]
-    best = _spread_out([place for places in found for place in places], middle, limit)
-    worse = [places for places in found if not any(place in best for place in places)]
-    spare = [place for places in worse for place in _spread_out(places, middle, limit // SPARE_SHARE)]
-    return [*best[: max(limit - len(spare), limit // 2)], *spare][:limit]
+    best = _spread_out([spot for spots in found for spot in spots], limit)
+    worse = [spots for spots in found if not any(spot in best for spot in spots)]
+    spare = [spot for spots in worse for spot in _spread_out(spots, limit // SPARE_SHARE)]
+    chosen = [*best[: max(limit - len(spare), limit // 2)], *spare][:limit]
+    return [spot.placement(cloud.mean(axis=0), tolerances.drop) for spot in chosen]
+
+
+@dataclass(frozen=True, eq=False)
+class _Spot:
+    """Where the middle of an object may come to lie (3,) [m], turned (3, 3) as in a resting pose."""
+
+    middle: FloatArray
+    rotation: FloatArray
+    rest: Rest
+    score: float
+    room: float
+
+    def placement(self, before: FloatArray, drop: float) -> Placement:
+        """The placement, from where its middle is before (3,) [m]."""
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = self.rotation, self.middle - self.rotation @ before
+        words = f"turned {np.degrees(self.rest.turn):.0f} deg onto a face, {1e3 * self.room:.0f} mm free"
+        return Placement(pose, self.score, words, drop, rolls=self.rest.rolls)
 
 
 def _at_rest(
@@ -142,7 +160,7 @@ def _at_rest(
     pose_base_to_world: FloatArray | None,
     tolerances: PlacementTolerances,
     yaws: int = 8,
-) -> list[Placement]:
+) -> list[_Spot]:
     """Every free place and heading on one top for an object in one resting pose."""
     axes = np.stack(level_axes(up))
     base = None if pose_base_to_world is None else axes @ pose_base_to_world[:3, 3]
@@ -154,11 +172,14 @@ def _at_rest(
         rise = space.height - float(pose_base_to_world[:3, 3] @ space.normal)
         within = reachable(places, rise, axes @ pose_base_to_world[:3, 3], tolerances)
         cells, places = cells[within], places[within]
-    found: list[Placement] = []
+    found: list[_Spot] = []
     for k in range(yaws):
         rotation = about(up, 2.0 * np.pi * k / yaws) @ rest.rotation
         turned = (body - middle) @ rotation.T
-        covered = np.unique(np.round(turned @ axes.T / space.cell), axis=0).astype(np.int64)
+        along, aside = np.round(axes @ turned.T / space.cell).astype(np.int64)
+        width = int(np.abs(aside).max()) + 1
+        each = np.unique(2 * width * along + aside + width)
+        covered = np.stack([each // (2 * width), each % (2 * width) - width], axis=1)
         room, bars = space.under(cells, covered)
         lift = space.height + tolerances.drop - float((turned @ space.normal).min())
         scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
@@ -167,12 +188,10 @@ def _at_rest(
         best = best[scores[best] > 0.0]
         targets = places[best] @ axes
         targets += np.outer((lift - targets @ space.normal) / float(up @ space.normal), up)
-        poses = np.tile(np.eye(4), (len(best), 1, 1))
-        poses[:, :3, :3], poses[:, :3, 3] = rotation, targets - rotation @ middle
-        turned_by = np.degrees(rest.turn)
-        for index, pose in zip(best.tolist(), poses, strict=True):
-            words = f"turned {turned_by:.0f} deg onto a face, {1e3 * room[index]:.0f} mm free"
-            found.append(Placement(pose, float(scores[index]), words, tolerances.drop, rolls=rest.rolls))
+        found += [
+            _Spot(target, rotation, rest, *given)
+            for target, *given in zip(targets, scores[best].tolist(), room[best].tolist(), strict=True)
+        ]
     return found
 
 
@@ -213,18 +232,16 @@ def _scores(
     return np.where(room > tolerances.gap, score + 0.1 * heading + 0.15 * stand, -1.0)
 
 
-def _spread_out(found: list[Placement], middle: FloatArray, limit: int) -> list[Placement]:
+def _spread_out(found: list[_Spot], limit: int) -> list[_Spot]:
     """Steady ones first, best first: at most three headings at a place, places 6 cm apart."""
-    kept: list[Placement] = []
+    kept: list[_Spot] = []
     spots = np.empty((0, 3))
-    for placement in sorted(found, key=lambda placement: (placement.rolls, -placement.score)):
-        pose = placement.pose_before_to_after
-        spot = pose[:3, :3] @ middle + pose[:3, 3]
-        apart = np.sqrt(((spots - spot) ** 2).sum(axis=1))
+    for spot in sorted(found, key=lambda spot: (spot.rest.rolls, -spot.score)):
+        apart = np.sqrt(((spots - spot.middle) ** 2).sum(axis=1))
         same = np.count_nonzero(apart < 0.005)
         if np.count_nonzero(apart < 0.06) == same and same < 3:
-            kept.append(placement)
-            spots = np.vstack([spots, spot])
+            kept.append(spot)
+            spots = np.vstack([spots, spot.middle])
         if len(kept) >= limit:
             break
     return kept

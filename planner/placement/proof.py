@@ -13,6 +13,7 @@ from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.away import BODIES, IN_HAND, Away
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.placement import Placement
+from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
 from topple.robots.engines import INSTALLED
 from topple.robots.poses import angle_between
@@ -62,6 +63,7 @@ class Proof:
         situation: Where it is now.
         riding: What lies in the object and goes with it.
         beside: Bodies that are no part of the scene, by name.
+        rehearsal: The world to do it in; one of its own where None.
     """
 
     def __init__(
@@ -70,12 +72,13 @@ class Proof:
         situation: Situation,
         riding: tuple[str, ...] = (),
         beside: Solids | None = None,
+        rehearsal: Rehearsal | None = None,
     ) -> None:
         self.name, self._up, bodies = name, situation.up, situation.solids
         self._others = {other: parts for other, parts in bodies.items() if other not in (name, *riding)}
         self._others |= beside or {}
         self._own = {False: bodies[name], True: situation.completed[name]}
-        self._drops: dict[bool, Drops] = {}
+        self._rehearsal, self._drops = rehearsal, dict[bool, Drops]()
         self._known: dict[Placement, Settled] = {}
         self._worlds = ExitStack()
 
@@ -90,8 +93,10 @@ class Proof:
         if place not in self._known:
             on_table = place.into is None and place.how != Away.BIN
             if on_table not in self._drops:
-                drops = Drops(self.name, {**self._others, self.name: self._own[on_table]}, self._up)
-                self._drops[on_table] = self._worlds.enter_context(drops)
+                self._worlds.close()  # the world is lent to one at a time
+                bodies = {**self._others, self.name: self._own[on_table]}
+                drops = Drops(self.name, bodies, self._up, rehearsal=self._rehearsal)
+                self._drops = {on_table: self._worlds.enter_context(drops)}
             inside = {PlaceRelation.WITHIN: place.into, Away.BIN: BODIES[Away.BIN]}
             container = inside.get(place.how) if isinstance(place.how, (PlaceRelation, Away)) else None
             self._known[place] = settled(

@@ -3,10 +3,11 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Goal
 from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.decide.tolerances import LIKELY
@@ -16,6 +17,7 @@ from topple.planner.formats.plan_structs import DependencyData, ObjectData, Step
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Away, Destination, Receiver
+from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.planning.order import ordered
 from topple.planner.planning.plan_data import (
     DIGITS,
@@ -83,27 +85,43 @@ class PlanBuilder:
 
     def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
         """Choose one step after the other; `asked` gives the relations before each where there is one."""
-        for _ in range(MOST_STEPS * len(self.situation.movable)):
-            station = Station(self.arm, self.pose_base_to_world, self.q)
-            avoid = dict[str, list[Grasp]]()
-            for transfer in self.barred:
-                avoid.setdefault(transfer.object, []).append(transfer.grasp)
-            context = Context(
-                station, self.done(), upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
-                grasps=self.own(), seed=self.seed, clamped=self.clamped - self.moved.keys(),
-                obstacles=dict(self.beside), away=self.away, avoid=avoid,
-                barred=[transfer.placement for transfer in self.barred],
-            )  # fmt: skip
-            chosen = task.chooser(self.situation, self.goal, context).choose()
-            if chosen is None:
-                return
-            self.take(chosen)
-            if asked is not None:
-                scene = self.situation.scene
-                self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
+        known, ordered_in = None, self.situation
+        with Rehearsal(self.up) as rehearsal:
+            for _ in range(MOST_STEPS * len(self.situation.movable)):
+                context = self._context(rehearsal, known)
+                try:
+                    chosen = task.chooser(self.situation, self.goal, context).choose()
+                except NoSafePlan:
+                    if known is None:
+                        raise
+                    chosen = task.chooser(self.situation, self.goal, replace(context, known=None)).choose()
+                if chosen is None:
+                    return
+                if known is None or chosen.order.supports is not known.supports:
+                    ordered_in = self.situation  # it was asked anew
+                known = None
+                if self.orderer is ordered and asked is None and not self.upright:
+                    known = _left_by(chosen, ordered_in)
+                self.take(chosen)
+                if asked is not None:
+                    scene = self.situation.scene
+                    self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))
+
+    def _context(self, rehearsal: Rehearsal, known: Order | None) -> Context:
+        """What the next step is chosen in."""
+        avoid = dict[str, list[Grasp]]()
+        for transfer in self.barred:
+            avoid.setdefault(transfer.object, []).append(transfer.grasp)
+        return Context(
+            Station(self.arm, self.pose_base_to_world, self.q), self.done(), upright=self.upright,
+            allow_drop=self.allow_drop, orderer=self.orderer, grasps=self.own(), seed=self.seed,
+            clamped=self.clamped - self.moved.keys(), obstacles=dict(self.beside), away=self.away,
+            avoid=avoid, barred=[transfer.placement for transfer in self.barred], rehearsal=rehearsal,
+            known=known,
+        )  # fmt: skip
 
     def send_away(self, destination: Destination) -> None:
         """Have things go somewhere else than to what is seen.
@@ -225,6 +243,25 @@ class PlanBuilder:
             least = len(self.steps) + len(chosen.order.order) - 1
             count = f"{len(self.steps)} of {least}" if least >= len(self.steps) else str(len(self.steps))
             self.progress(f"{count}: {chosen.action} {transfer.object}: {reason}")
+
+
+def _left_by(chosen: NextStep, situation: Situation) -> Order | None:
+    """What an order leaves once its first object is gone.
+
+    None where that met others, which it may have held, and where what stood first could not be taken: then
+    something else may better be next.
+
+    Args:
+        chosen: The step.
+        situation: In which the order was asked for.
+    """
+    name, order = chosen.transfer.object, chosen.order
+    meeting = {frozenset((each.a, each.b)) for each in situation.contacts} | situation.relations.meeting
+    beside = {other for pair in meeting if name in pair for other in pair} - situation.scene.fixed
+    if beside > {name} or chosen.fallbacks or order.order[:1] != (name,):
+        return None
+    left = tuple(target for target in order.targets if target != name)
+    return replace(order.as_taken(order.order[1:]), targets=left)
 
 
 def check_relations(relations: Relations | None, scene: Scene) -> Relations | None:

@@ -70,7 +70,7 @@ class StepChooser:
     def _chosen(self) -> NextStep | None:
         if targets := self._not_free():
             return self.take_off(targets, Action.FREE)
-        inside = self.goal.contents(self.situation.relations, self.scene.fixed)
+        inside = self.goal.contents(self.situation.relations, self.scene.fixed) if self.goal.empty else {}
         if held := [name for names in inside.values() for name in names]:
             return self.take_off(held, Action.FREE)
         for place in self.goal.places:

@@ -111,18 +111,18 @@ def plan(
     task, scene = GoalTask.of(goal), as_scene(scene)
     scene = scene if base is None else scene.with_base(base)
     wanted = task.goal(scene)
-    check_up(scene)
     scene = check_masks(scene, wanted.names)
-    situation = Situation(scene)
+    asked = None if relations is None or isinstance(relations, Relations) else relations
+    first = check_relations(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
+    situation = Situation.of(scene, first)
+    check_up(situation.sized.scene, situation.sized.statics)
     given = scene.robot_base
     pose = choose_base(situation, arm) if given is None else given
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     check_start(situation, arm, pose, start)
     level, fixture = check_upright(scene, upright), check_clamped(scene, clamped)
-    asked = None if relations is None or isinstance(relations, Relations) else relations
-    first = check_relations(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
     planning = PlanBuilder(
-        Situation.of(situation, first).with_level_undersides(),
+        situation.with_level_undersides(),
         wanted,
         arm,
         pose,

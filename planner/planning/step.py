@@ -13,6 +13,7 @@ from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Receiver
 from topple.planner.placement.placement import Placement
+from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
@@ -113,6 +114,8 @@ class Context:
         clamped: What a fixture keeps where it stands until it is taken.
         away: Where things go that are taken; to free places on what is seen where None. What went there and
             is in the way is among the obstacles.
+        rehearsal: The simulated world in which things are let go; None to make one whenever it is asked for.
+        known: What an order from before leaves, which is not asked anew for the same targets.
     """
 
     station: Station
@@ -132,9 +135,13 @@ class Context:
     obstacles: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
     clamped: Collection[str] = ()
     away: Receiver | None = None
+    rehearsal: Rehearsal | None = None
+    known: Order | None = None
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`. What takes more than two hands for certain is held where two can."""
+        if self.known is not None and self.known.targets == tuple(targets):
+            return self.known
         asked = partial(
             ask, self.orderer, situation, targets, seed=self.seed, beliefs=self.beliefs, clamped=self.clamped
         )

@@ -64,7 +64,7 @@ class Transfers:
         if away is not None:
             places = away.places(name, self.situation.with_completed(name), self.context.obstacles)
             if away.how is Away.ZONE:
-                places = standing(places, name, self.situation, away.bodies)
+                places = standing(places, name, self.situation, away.bodies, self.context.rehearsal)
             return self.to(name, places)
         find = partial(
             placements,
@@ -77,7 +77,8 @@ class Transfers:
         )
         places = find(avoid=[own, *wanted]) or find(avoid=wanted) or (find() if wanted else [])
         limits = MORE_HANDS if longer else TRANSFER_LIMITS
-        return self.to(name, standing(places, name, self.situation), limits)
+        places = standing(places, name, self.situation, rehearsal=self.context.rehearsal)
+        return self.to(name, places, limits)
 
     def to(
         self, name: str, places: Sequence[Placement], limits: TransferLimits = TRANSFER_LIMITS
@@ -105,7 +106,7 @@ class Transfers:
         if self.context.observed:  # what is seen of it may be wrong: the best of all hands takes it
             return transfer(limits=replace(limits, enough=float("inf")))
         beside = {} if context.away is None else context.obstacles
-        with Proof(name, self.situation, self.riding(name), beside) as proof:
+        with Proof(name, self.situation, self.riding(name), beside, context.rehearsal) as proof:
             found = transfer(holds=proof.holds)
             if isinstance(found, TransferFailure) and self.context.allow_drop:
                 found = transfer()
@@ -154,7 +155,7 @@ class Transfers:
         )
         log = FailureLog(frozenset())
         most = found[: TRANSFER_LIMITS.grasps]
-        return handling.reached(handling.hands(most, station.q, log), True, log)
+        return list(handling.reached(handling.hands(most, station.q, log), True, log))
 
     def _refused(self, name: str) -> TransferFailure:
         return TransferFailure(name, {self.context.given_up[name]: 1}, None)

@@ -10,6 +10,7 @@ from topple.planner.decide.words import CHECK_HEADINGS, MARGINS, check_cells
 from topple.planner.report.drawing import Document, Drawing, view_data
 from topple.planner.report.figure import draw_list, draw_view, side_by_side
 from topple.planner.report.html import table, view_page
+from topple.planner.report.names import spoken
 from topple.planner.report.palette import Colour, css
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import object_name, sentence_list
@@ -44,6 +45,7 @@ def check_page(scene: Scene, found: Document, title: str) -> str:
         >>> "stands" in check_page(scene, check(scene).to_json(), "A desk")
         True
     """
+    scene, found = spoken(scene, (scene, found))
     drawing = Drawing.of(scene)
     verdict, *reasons = str(found["verdict"]).split("; ")
     head = f'<header><h1>{escape(verdict)}</h1><p class="lead">{escape("; ".join([title, *reasons]))}.</p>'
@@ -54,6 +56,7 @@ def check_page(scene: Scene, found: Document, title: str) -> str:
 
 def check_picture(scene: Scene, found: Document) -> bytes:
     """Draw a check as a PNG picture: the view with its arrows, and a sentence for each object."""
+    scene, found = spoken(scene, (scene, found))
     drawing = Drawing.of(scene)
     lines = [
         (None if each["stands"] else FAILS, _sentence(each))

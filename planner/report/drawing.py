@@ -10,6 +10,7 @@ from trimesh import Trimesh
 
 from topple.planner.decide.words import because, places, said
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.names import paints_of, photo_of
 from topple.planner.report.palette import FIXED_COLOUR, Colour, css, ink_on, object_colours, relation_colour
 from topple.robots.collision.convex import hull_of, reduced
 from topple.topology.base.arrays import FloatArray, IntArray
@@ -75,7 +76,7 @@ class Drawing:
             taken: A photo that was taken of it for people; else its first colour image gives the paints.
         """
         colours, shares, up = object_colours(scene.names, scene.fixed), _shares(scene, points), _up(scene)
-        paints = colours | _paints(taken or photo_of(scene))
+        paints = colours | paints_of(taken or photo_of(scene))
         whole = whole_surfaces(scene) if scene.up is not None and len(scene.viewpoints) else {}
         objects = tuple(
             _drawn(
@@ -169,31 +170,6 @@ def _line(pair: Mapping[str, Any], index: Mapping[str, int]) -> dict[str, Any] |
         "dashed": faint or is_inferred(pair),
         "faint": faint,
     }
-
-
-def photo_of(scene: Scene) -> Photo | None:
-    """The first colour image that a scene came with."""
-    for image in scene.images:
-        if image.rgb is not None:
-            numbers = [int(number) for number in np.unique(image.label) if number > 0]
-            return Photo(image.rgb, image.label, {number: image.name_of(number) for number in numbers})
-    return None
-
-
-def _paints(shown: Photo | None) -> dict[str, Colour]:
-    """Mean colours of the masks in a photo, by name."""
-    if shown is None:
-        return {}
-    label = shown.label.ravel()
-    numbers, places, counts = np.unique(label, return_inverse=True, return_counts=True)
-    sums = [np.bincount(places.ravel(), shown.rgb[..., axis].ravel()) for axis in range(3)]
-    means = np.stack(sums, axis=1) / counts[:, None]
-    named = [place for place, number in enumerate(numbers.tolist()) if number in shown.names]
-    bright = np.maximum(means.max(axis=1), 1.0)
-    gain = np.clip(LIMITS.exposed / max(float(np.mean(bright[named])), 1.0), 1.0, 2.0) if named else 1.0
-    gains = np.maximum(gain, np.minimum(LIMITS.exposed / 2 / bright, 2.0))  # in the shade of a shelf, too
-    rounded = np.minimum(gains[:, None] * means, 255.0).round().astype(int).tolist()
-    return {shown.names[int(numbers[at])]: (rounded[at][0], rounded[at][1], rounded[at][2]) for at in named}
 
 
 def _shares(scene: Scene, points: int) -> Mapping[str, int]:

@@ -15,13 +15,8 @@ from topple.planner.report.drawing import Document, Documented, Drawing, DrawnOb
 from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_head
 from topple.planner.report.html import legend
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import (
-    FIXED_COLOUR,
-    Colour,
-    ink_on,
-    reason_colour,
-    relation_colour,
-)
+from topple.planner.report.names import spoken
+from topple.planner.report.palette import FIXED_COLOUR, Colour, ink_on, reason_colour, relation_colour
 from topple.planner.report.raster import Projection, render_clouds
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
@@ -51,8 +46,10 @@ def show_picture(
         relations: What `relate` found in it, or the JSON document of that.
         order: What `order` found, or the JSON document of that; None draws the relations alone.
     """
-    planned, drawing = None if order is None else document(order), Drawing.of(scene)
-    view = draw_view(drawing, view_data(drawing, document(relations), planned))
+    both = document(relations), None if order is None else document(order)
+    scene, (found, planned) = spoken(scene, (scene, both))
+    drawing = Drawing.of(scene)
+    view = draw_view(drawing, view_data(drawing, found, planned))
     if planned is None:
         return side_by_side(view)
     return side_by_side(view, _graph(scene, drawing, planned), _order(drawing, planned))
@@ -82,7 +79,8 @@ def order_gif(
     Raises:
         InvalidInput: The order takes nothing.
     """
-    told = order_in_words(document(order))
+    scene, planned = spoken(scene, (scene, document(order)))
+    told = order_in_words(planned)
     if not told:
         raise InvalidInput("nothing to animate: the order takes nothing")
     drawing = Drawing.of(scene, LIMITS.picture_points)

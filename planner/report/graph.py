@@ -13,6 +13,7 @@ import numpy as np
 from topple.planner.decide.words import WORDS, because, ordinal, places, said, shortened
 from topple.planner.report.html import key
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.names import spoken
 from topple.planner.report.palette import (
     FIXED_COLOUR,
     REASON_COLOURS,
@@ -130,6 +131,7 @@ def graph_box(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[s
 
 def graph_file(scene: Scene, order: Document) -> str:
     """Draw the dependency graph of an order as an SVG file that stands alone, black on white."""
+    scene, order = spoken(scene, (scene, order))
     colours = object_colours(scene.names, scene.fixed)
     drawn = _svg(DrawnGraph.of(scene.movable, order, row=440.0), colours, {})
     alone = f'><style>{STYLE}</style><rect width="100%" height="100%" fill="#fff"/>'
@@ -243,9 +245,7 @@ def _route(points: list[Point], wide: Mapping[str, float], edge: Edge) -> list[P
 
 
 def _label_places(
-    routes: Mapping[Edge, Sequence[Point]],
-    reasons: Mapping[Edge, tuple[str, ...]],
-    boxes: Mapping[str, Box],
+    routes: Mapping[Edge, Sequence[Point]], reasons: Mapping[Edge, tuple[str, ...]], boxes: Mapping[str, Box]
 ) -> dict[Edge, Point]:
     """Put each label on its arrow where it covers no box, and as few other labels as can be."""
     taken = [(x, y, width, HIGH, len(routes)) for x, y, width in boxes.values()]

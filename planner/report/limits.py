@@ -11,7 +11,7 @@ class Limits:
     cell_points: int = 20_000  # of a notebook's cell: 0.2 MB, so that a notebook of fifty stays small
     picture_points: int = 20_000  # of a moving picture: a third of a page's, there are thirty
     live_points: int = 150_000  # of a live page: what a laptop's graphics draw at once
-    run_points: int = 40_000  # of a whole run, shared by its steps: a page of ten steps stays below 1.5 MB
+    run_points: int = 34_000  # of a whole run, shared by its steps: a page of ten steps stays below 1.5 MB
     least_points: int = 150  # of an object, however many share the budget: fewer look like no surface
     fixed_share: float = 0.3  # of the points, that tables and shelves may take together
     finest: float = 0.0025  # [m] cells in which noise is averaged away; a spoon still has a rim

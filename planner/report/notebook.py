@@ -9,6 +9,7 @@ from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import columns, page, view_page
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.names import spoken
 from topple.planner.report.palette import object_colours
 from topple.planner.report.plan_page import order_of, step_list
 from topple.planner.report.run_page import run_page
@@ -27,6 +28,7 @@ TALL, LOW = 560, 360  # [px] of a cell with a view, and of one without
 
 def scene_cell(scene: Scene) -> str:
     """The surfaces of a scene, to turn and zoom; nothing is related for it."""
+    scene = spoken(scene, scene)
     objects, fixed, size, *_ = str(scene).splitlines()
     view = view_data(Drawing.of(scene, LIMITS.cell_points), {}, None)
     below = sentence_list(scene.assumptions, "Assumptions")
@@ -35,7 +37,8 @@ def scene_cell(scene: Scene) -> str:
 
 def relations_cell(relations: "Relations") -> str:
     """The scene with a line per relation, and the table beside it."""
-    drawing, found = Drawing.of(relations.scene, LIMITS.cell_points), relations.to_json()
+    scene, found = spoken(relations.scene, (relations.scene, relations.to_json()))
+    drawing = Drawing.of(scene, LIMITS.cell_points)
     sides = "", relation_table(found, drawing.index)
     return _framed(view_page("Relations", "", view_data(drawing, found, None), sides, compact=True))
 

@@ -39,11 +39,14 @@ _GOLDEN_TURN = 0.61803398875
 _LIGHTNESS = (0.5, 0.38, 0.62)
 _SATURATION = 0.42
 _ALIKE = 0.05  # turns between hues that look the same; all words in use leave some
+_GREY = 0.2  # share of its brightest channel by which the channels of a grey differ at most
+_BLACK, _WHITE = 0.25, 0.6  # lightness of what is called black at most, and white at least
 _HUES = {
     "red": 0.0,
     "orange": 0.08,
     "yellow": 0.15,
     "green": 0.36,
+    "teal": 0.49,
     "blue": 0.61,
     "purple": 0.77,
     "pink": 0.92,
@@ -91,6 +94,16 @@ def _paint(number: int, hue: float) -> Colour:
     """A colour of muted strength; three in turn differ in lightness."""
     red, green, blue = colorsys.hls_to_rgb(hue, _LIGHTNESS[number % 3], _SATURATION)
     return round(255 * red), round(255 * green), round(255 * blue)
+
+
+def colour_word(colour: Colour) -> str:
+    """Say in a word which colour something has: the name of a hue, or black, grey, white or brown."""
+    hue, light, _ = colorsys.rgb_to_hls(*np.divide(colour, 255).tolist())
+    if max(colour) - min(colour) < _GREY * max(colour) or max(colour) < 255 * _BLACK:
+        return "black" if light < _BLACK else "white" if light > _WHITE else "grey"
+    word = min(_HUES, key=lambda name: abs((hue - _HUES[name] + 0.5) % 1.0 - 0.5))
+    pale = max(colour) - min(colour) < 2 * _GREY * max(colour) and light < 0.5
+    return "brown" if word in ("red", "orange") and pale else word
 
 
 def css(colour: Colour) -> str:

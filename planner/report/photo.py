@@ -12,7 +12,8 @@ from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from topple.planner.decide.words import ordinal, places, shortened
 from topple.planner.formats.pictures import Pixels, jpeg, png
-from topple.planner.report.drawing import Document, Drawing, photo_of
+from topple.planner.report.drawing import Document, Drawing
+from topple.planner.report.names import photo_of
 from topple.planner.report.palette import Colour, css, ink_on
 from topple.topology.base.arrays import BoolArray
 from topple.topology.scene.scene import Scene

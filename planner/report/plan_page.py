@@ -15,6 +15,7 @@ from topple.planner.planning.plan_format import Plan
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.html import Span, bullets, folded, glance, plain_table, view_page
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.names import spoken
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section
@@ -63,6 +64,8 @@ def plan_page(
 
         relations = relate(scene)
     check_scene(plan, scene)
+    whole = scene, plan, document(relations), verification
+    scene, plan, found, verification = spoken(scene, whole)
     if arm is None:
         if plan.arm is None:
             raise InvalidInput(f"the plan does not say where its arm {plan.robot!r} is described: give arm")
@@ -78,7 +81,6 @@ def plan_page(
         named = enumerate(zip(plan.steps, [0.0, *ends], ends, strict=False), start=1)
         bands = [(f"{number}. {step.object}", since, until) for number, (step, since, until) in named]
         told = motion_json(motion, shape, drawing.index, drawing.centre, bands)
-    found = document(relations)
     steps = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}"
     top = _head(plan, bands, refuted=verification is not None and not verification.ok)
     top += glance(photo(scene, drawing, order), steps, dependency_section(scene, drawing, order))

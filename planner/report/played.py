@@ -14,7 +14,7 @@ from topple.planner.report.html import Span
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.looks import looks
+from topple.robots.arm.visuals import visuals
 from topple.topology.base.arrays import FloatArray, IntArray
 
 STEP = 1e-4  # lengths are whole multiples of this [m]: 16 bits reach 3.2 m either way
@@ -28,17 +28,17 @@ def arm_shape(arm: Arm | None) -> Document:
         Numbers of the `links` that are drawn, and their `parts`: each with its link's place among those, its
         colour, vertices in steps in the link's frame, and triangles.
     """
-    seen = [] if arm is None else looks(arm, LIMITS.arm_triangles)
+    seen = [] if arm is None else visuals(arm, LIMITS.arm_triangles)
     drawn = [number for number, parts in enumerate(seen) if parts]
     parts = [
         {
             "at": at,
-            "colour": css(look.colour),
-            "vertices": _packed(look.vertices / STEP),
-            "faces": _packed(look.faces.ravel()),
+            "colour": css(visual.colour),
+            "vertices": _packed(visual.vertices / STEP),
+            "faces": _packed(visual.faces.ravel()),
         }
         for at, number in enumerate(drawn)
-        for look in seen[number]
+        for visual in seen[number]
     ]
     return {"links": drawn, "parts": parts}
 

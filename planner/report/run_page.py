@@ -7,9 +7,10 @@ from typing import Any
 from topple.planner.decide.words import counted, millimetres, sentence
 from topple.planner.formats.pictures import picture, pixels_of
 from topple.planner.formats.run_record import RunRecord, StepRecord
-from topple.planner.report.drawing import Drawing, photo_of, view_data
+from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.html import beside, bullets, folded, glance, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.names import photo_of, spoken
 from topple.planner.report.photo import around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section
@@ -35,6 +36,8 @@ def run_page(
         >>> "Plate freed" in run_page(RunRecord("free plate", "panda", 0, success=True))
         True
     """
+    first = next((step.scene for step in record.steps if step.scene is not None), None)
+    record = record if first is None else spoken(first, record)
     return _RunPage(record, points, photos).build(compact)
 
 

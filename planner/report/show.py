@@ -1,12 +1,12 @@
 """The page of one scene: what is where, what depends on what, and the order to take it apart."""
 
 from html import escape
-from typing import Any
 
 from topple.planner.decide.words import listed, order_in_words, sentences
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import folded, glance, view_page
+from topple.planner.report.names import spoken
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
 from topple.topology.base.arguments import checked_arguments
@@ -33,8 +33,9 @@ def show_page(
         >>> "Take cup first" in show_page(scene, relate(scene), order(scene, "book"))
         True
     """
-    found, drawing = document(relations), Drawing.of(scene)
-    planned = None if order is None else document(order)
+    both = document(relations), None if order is None else document(order)
+    scene, (found, planned) = spoken(scene, (scene, both))
+    drawing = Drawing.of(scene)
     head, beneath = _head(scene, planned, title), photo(scene, drawing, planned)
     if planned is not None:
         words = "<h2>Safe order</h2>" + order_list(planned, drawing.index)
@@ -42,7 +43,7 @@ def show_page(
         beneath = ""
     right = beneath + "<h2>Relations</h2>" + relation_matrix(found, drawing.index)
     right += folded("Every relation with its evidence", relation_table(found, drawing.index))
-    right += sentence_list(_assumptions(scene, order, planned), "Assumptions")
+    right += sentence_list(_assumptions(scene, planned), "Assumptions")
     view = view_data(drawing, found, planned)
     return view_page(title or "topple: what is where", head, view, ("", right))
 
@@ -78,7 +79,6 @@ def _verdict(order: Document | None) -> str:
     return f"Take {steps[0][0]} first: {steps[0][1]}" if steps else "There is nothing to take."
 
 
-def _assumptions(scene: Scene, order: Any, planned: Document | None) -> list[str]:
+def _assumptions(scene: Scene, order: Document | None) -> list[str]:
     """What the scene and the order assumed, each once."""
-    of_order = None if planned is None else planned.get("assumptions") or getattr(order, "assumptions", None)
-    return list(dict.fromkeys([*scene.assumptions, *sentences(of_order)]))
+    return list(dict.fromkeys([*scene.assumptions, *sentences((order or {}).get("assumptions"))]))

@@ -73,7 +73,7 @@ class Grips:
             if not any(map(grasp.near, avoid))
         ]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
-        self.states = handling.reached(hands, False, log)
+        self.states = list(handling.reached(hands, False, log))
 
     def proven(self, state: Reached) -> Grip | None:
         """The grip that ends in one of the states, with proven motions; None, noted, where there are none."""

@@ -1,6 +1,6 @@
 """What the arm reaches of one object's grasps and places, and the straight ways there and out."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
-from topple.planner.transfer.tolerances import MARGIN, RAISED, SEEDS, STRAIN_STEP
+from topple.planner.transfer.tolerances import AT_ONCE, MARGIN, RAISED, SEEDS, STRAIN_STEP
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
 
@@ -56,7 +56,7 @@ class Handling(Checks):
 
     def hands(
         self, grasps: Sequence[Grasp], near: FloatArray, log: FailureLog
-    ) -> list[tuple[Grasp, FloatArray]]:
+    ) -> Iterator[tuple[Grasp, FloatArray]]:
         """Hand poses for grasps, each also turned half, with all joint values that are found.
 
         Args:
@@ -64,7 +64,7 @@ class Handling(Checks):
             near: (n,) joint values solutions should be close to.
             log: Notes what grasps are dropped for.
 
-        Returns:
+        Yields:
             In the grasps' order, but hands that come in unseen, turned and opened as they are, last.
         """
         both = [hand for grasp in grasps for hand in self.hand(grasp).turns(grasp)]
@@ -73,11 +73,14 @@ class Handling(Checks):
             both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", log
         )
         both = self._seen_first([grasp for grasp, free in zip(both, clear, strict=True) if free])
-        solutions = self._inverse(both, [self.tool_pose(grasp) for grasp in both], near)
-        for states in solutions:
-            if len(states) == 0:
-                log.note(SegmentKind.GRASP, Check.REACH, "grasp out of reach")
-        return [(grasp, q) for grasp, q in zip(both, solutions, strict=True) if len(q)]
+        for first in range(0, len(both), AT_ONCE):
+            some = both[first : first + AT_ONCE]
+            solutions = self._inverse(some, [self.tool_pose(grasp) for grasp in some], near)
+            for grasp, states in zip(some, solutions, strict=True):
+                if len(states):
+                    yield grasp, states
+                else:
+                    log.note(SegmentKind.GRASP, Check.REACH, "grasp out of reach")
 
     def _seen_first(self, hands: Sequence[Grasp]) -> list[Grasp]:
         """Hands as they come in, each marked if no camera saw its way to be empty; those come last."""
@@ -87,8 +90,8 @@ class Handling(Checks):
         return sorted(marked, key=lambda hand: hand.unseen)
 
     def reached(
-        self, hands: Sequence[tuple[Grasp, FloatArray]], lenient: bool, log: FailureLog
-    ) -> list[Reached]:
+        self, hands: Iterable[tuple[Grasp, FloatArray]], lenient: bool, log: FailureLog
+    ) -> Iterator[Reached]:
         """States of hand poses in which the open hand is free.
 
         Args:
@@ -96,17 +99,15 @@ class Handling(Checks):
             lenient: Whether fingers may enter inferred bodies of neighbours.
             log: Notes what grasps are dropped for.
 
-        Returns:
+        Yields:
             Free states, at most two for each hand pose.
         """
-        found: list[Reached] = []
         for grasp, states in hands:
             checker = self.approaching(grasp, lenient)
             free = checker.free(states)
             if not free.any():
                 Stage(SegmentKind.APPROACH, checker, log).blame(states[0], "grasp")
-            found += [Reached(grasp, q, lenient) for q in states[free][:2]]
-        return found
+            yield from (Reached(grasp, q, lenient) for q in states[free][:2])
 
     def _clear_of(
         self,
@@ -253,6 +254,18 @@ class Handling(Checks):
         Yields:
             Ends, best placements first, each placement once.
         """
+        for first in range(0, len(places), AT_ONCE):
+            yield from self._ends(state, places[first : first + AT_ONCE], near, (drop, retreat), log)
+
+    def _ends(
+        self,
+        state: Reached,
+        places: Sequence[Placement],
+        near: FloatArray,
+        ways: tuple[float, float],
+        log: FailureLog,
+    ) -> Iterator[End]:
+        """Ways of ending a transfer at some places at once, as `ends` has them."""
         grasp = state.grasp
         checker = self.carrying(grasp, MARGIN if places[0].how in IN_HAND else 0.0, places[0].into)
         targets = [place.pose_before_to_after @ self.tool_pose(grasp) for place in places]
@@ -270,7 +283,7 @@ class Handling(Checks):
         if places[0].how in IN_HAND:
             yield from (End(place, q[None], q[None]) for place, _, q in tried)
         elif tried:
-            yield from self._free_ends(grasp, tried, (drop, retreat), checker, log)
+            yield from self._free_ends(grasp, tried, ways, checker, log)
 
     def _free_ends(
         self,

@@ -14,6 +14,10 @@ CONTACT = 0.006
 SEEDS = 24
 """Random starts of inverse kinematics for each pose: finds nearly all that are reachable."""
 
+AT_ONCE = 6
+"""Hands and places that inverse kinematics is asked for at once: mostly one of the best will do, and fewer
+make more batches of those that will not."""
+
 RAISED = 0.02
 """What slides out is lifted by so much first [m]: it does not drag, and boards are no more uneven."""
 

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import islice
+from itertools import chain, islice, tee
 
 import numpy as np
 
@@ -223,16 +223,16 @@ class _Search:
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
         """Complete a transfer that starts with one of some grasps, best first, or say why there is none."""
-        reached = dict[bool, list[Reached]]()
         self._barred: list[tuple[Reached, _Way]] = []
+        reached: list[Iterator[Reached]]
         if self._held is None:
-            hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log)
+            both = tee(self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log))
+            reached = [self.handling.reached(hands, bool(k), self.log) for k, hands in enumerate(both)]
         else:
-            hands, reached = [], {lenient: [self._held] for lenient in (False, True)}
+            reached = [iter([self._held]), iter([self._held])]
         for way in self._ways():
-            if way.lenient not in reached:
-                reached[way.lenient] = self.handling.reached(hands, way.lenient, self.log)
-            for state in reached[way.lenient][: self.limits.reached]:
+            states, reached[way.lenient] = tee(reached[way.lenient])  # looked for once, when asked
+            for state in islice(states, self.limits.reached):
                 transfer = self._with(state, way)
                 if transfer is not None:
                     return transfer
@@ -276,15 +276,21 @@ class _Search:
             return None
         top = lift.way[-1]
         free = handling.ends(state, room, top, limits.drop, limits.retreat, log)
-        ends = list(islice((end for end in free if self._stays(end.placement)), limits.goals))
+        ends = list(islice(free, limits.goals))
         if not ends or not approach.prove() or not lift.prove():
             return None
         carry = Stage(SegmentKind.TRANSFER, handling.carrying(grasp, way.margin), log)
-        goals = np.array([end.lower[0] for end in ends])
-        goal = carry.search(top, goals, self.seed, limits.rounds, self._upright(grasp))
-        if goal is None:
-            self._barred += [(state, way)] if way.margin > 0.0 else []
-            return None
+        upright, goal = self._upright(grasp), None
+        while goal is None or not self._stays(ends[goal].placement):
+            if goal is not None:  # refuted: only where it stays from now on
+                ends = list(islice((e for e in chain(ends, free) if self._stays(e.placement)), limits.goals))
+                if not ends:
+                    return None
+            goals = np.array([end.lower[0] for end in ends])
+            goal = carry.search(top, goals, self.seed, limits.rounds, upright)
+            if goal is None:
+                self._barred += [(state, way)] if way.margin > 0.0 else []
+                return None
         if not handling.bears(carry, grasp):
             return None
         end, held = ends[goal], ends[goal].placement.how in IN_HAND

@@ -57,14 +57,14 @@ def arm_chain(
     named = part is not None and (part.joints is not None or part.tip is not None)
     if named and group is not None:
         raise InvalidInput(
-            f"{tree.name}: --group {group} and [arm] of the gripper file both name the arm: give one"
+            f"{tree.name}: group={group} and [arm] of the gripper file both name the arm: give one"
         )
     if part is not None and named:
         joints = _named(tree, part)
     elif semantics is not None and (group is not None or _arm_groups(tree, semantics)):
         joints = _of_group(tree, semantics, group)
     elif group is not None:
-        raise InvalidInput(f"{tree.name}: --group {group} needs an SRDF that has the group: give --srdf FILE")
+        raise InvalidInput(f"{tree.name}: group={group} needs an SRDF that has the group: give srdf=FILE")
     else:
         joints = _longest(tree, semantics)
     rest: Collection[str] = () if part is None else part.rest
@@ -144,7 +144,7 @@ def _of_group(tree: Tree, semantics: Semantics, group: str | None) -> tuple[str,
         candidates = list(dict.fromkeys(parents)) or arms
         if len(candidates) > 1:
             raise InvalidInput(
-                f"{where} has several arms: say which with --group NAME, one of {', '.join(candidates)}"
+                f"{where} has several arms: say which with group=NAME, one of {', '.join(candidates)}"
             )
         group = str(candidates[0])
     if group not in semantics.groups:
@@ -177,9 +177,9 @@ def _longest(tree: Tree, semantics: Semantics | None) -> tuple[str, ...] | None:
         behind = sum(edge.moves for edge in path)
         if len(branches) > 1 and len(arms) > 1 and behind < SERIES:
             tips = ", ".join(_tip(tree, edge) for edge in arms)
-            other = "--srdf FILE and --group NAME" if semantics is None else "--group NAME"
+            other = "srdf=FILE and group=NAME" if semantics is None else "group=NAME"
             raise InvalidInput(
-                f"{tree.name} has several arms: say which with arm = {{tip = LINK}} in a --gripper file, "
+                f"{tree.name} has several arms: say which with arm = {{tip = LINK}} in a gripper file, "
                 f"LINK one of {tips}, or with {other}"
             )
         if len(branches) > 1 and len(arms) == 1 and behind < SERIES:

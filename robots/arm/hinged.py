@@ -6,14 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from topple.robots.arm.jaw import Bodies, ParallelJaw
-from topple.robots.arm.tolerances import (
-    BESIDE,
-    FINGER_SLABS,
-    HINGED_OPENINGS,
-    OVER_FACE,
-    SWUNG,
-    TRIAL_SHARE,
-)
+from topple.robots.arm.tolerances import BESIDE, FINGER_SLABS, HINGED_OPENINGS, OVER_FACE, SWUNG, TRIAL_SHARE
 from topple.robots.collision.convex import section
 from topple.robots.collision.prisms import Prism, prisms
 from topple.topology.base.arrays import FloatArray

@@ -1,5 +1,6 @@
 """Inverse kinematics by batched damped least squares: all distinct solutions found from many seeds."""
 
+from ctypes import CDLL
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from topple.robots.arm.kinematics import Chain, rotation_vectors
 from topple.robots.arm.tolerances import FULL_DOF
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.kernels.compiled import address, kernels
 
 
 @dataclass(frozen=True)
@@ -60,11 +62,14 @@ def solve(
             whatever it cannot turn; the frame's origin where None.
 
     Returns:
-        (r, n) all solutions found within the joint limits, and (r,) the index of the target each belongs to.
+        (r, n) all solutions found within the joint limits, and (r,) the index of the target each belongs to;
+        in no order.
     """
-    n = chain.size
+    n, compiled = chain.size, kernels()
     point = tool_point if n < FULL_DOF else None
-    q = np.array(np.broadcast_to(seeds, (len(targets), *seeds.shape[-2:]))).reshape(-1, n)
+    q = np.array(np.broadcast_to(seeds, (len(targets), *seeds.shape[-2:])), dtype=np.float64).reshape(-1, n)
+    if compiled is not None and len(q):
+        return _solve(compiled, chain, targets, q, tolerances, np.zeros(3) if point is None else point)
     owner = np.repeat(np.arange(len(targets)), len(q) // max(len(targets), 1))
     solved: list[FloatArray] = []
     owners: list[IntArray] = []
@@ -89,6 +94,31 @@ def solve(
     if not solved:
         return np.empty((0, n)), np.empty(0, dtype=np.int64)
     return np.concatenate(solved), np.concatenate(owners)
+
+
+def _solve(
+    compiled: CDLL,
+    chain: Chain,
+    targets: FloatArray,
+    starts: FloatArray,
+    tolerances: InverseTolerances,
+    point: FloatArray,
+) -> tuple[FloatArray, IntArray]:
+    """What `solve` gives, by the kernel."""
+    within = np.array([
+        tolerances.position, tolerances.rotation, tolerances.deficient_position, tolerances.deficient_rotation
+    ])  # fmt: skip
+    if chain.size >= FULL_DOF:
+        within[2:] = 0.0
+    wanted, point = np.ascontiguousarray(targets, dtype=np.float64), np.ascontiguousarray(point)
+    found, owners = np.empty_like(starts), np.empty(len(starts), dtype=np.int64)
+    given = chain.terms, chain.axes, chain.revolute, chain.lower, chain.upper
+    count = compiled.chain_solve(
+        *map(address, given), chain.size, address(wanted), len(wanted), address(starts),
+        len(starts) // len(wanted), address(point), address(within), tolerances.iterations, tolerances.step,
+        address(found), address(owners),
+    )  # fmt: skip
+    return found[:count], owners[:count]
 
 
 def _within(errors: FloatArray, position: float, rotation: float) -> BoolArray:

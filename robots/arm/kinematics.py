@@ -85,9 +85,10 @@ class Chain:
         return frames
 
     @cached_property
-    def _terms(self) -> FloatArray:
+    def terms(self) -> FloatArray:
+        """(n, 12, 3) the rows of k0, k1 and k2, but the last one, side by side."""
         terms: FloatArray = np.stack([k[:, :3] for k in (self.k0, self.k1, self.k2)], axis=-1)
-        return terms.reshape(self.size, 12, 3)
+        return np.ascontiguousarray(terms.reshape(self.size, 12, 3))
 
     def poses(self, q: FloatArray) -> FloatArray:
         """Poses of all joint frames, states last, so that what follows runs over contiguous numbers.
@@ -103,7 +104,7 @@ class Chain:
         weights = np.ones((self.size, 3, count))
         weights[:, 1] = np.where(self.revolute[:, None], np.cos(values), values)
         weights[:, 2] = np.sin(values)
-        local = np.matmul(self._terms, weights).reshape(self.size, 3, 4, count)
+        local = np.matmul(self.terms, weights).reshape(self.size, 3, 4, count)
         poses = np.empty((self.size + 1, 3, 4, count))
         poses[0] = np.eye(3, 4)[:, :, None]
         poses[1] = local[0]

@@ -26,10 +26,7 @@ LIGHTEST, HEAVIEST = 0.01, 20.0  # [kg] of such a link
 
 
 def prepared(
-    robot: ElementTree.Element,
-    path: Path,
-    groups: Mapping[str, tuple[str, ...]],
-    fine: Collection[str] = (),
+    robot: ElementTree.Element, path: Path, groups: Mapping[str, tuple[str, ...]], fine: Collection[str] = ()
 ) -> tuple[Path, tuple[str, ...]]:
     """Write a URDF that PyBullet loads as it was read.
 

@@ -214,7 +214,7 @@ def tool_advice(arm: Arm) -> str:
     return (
         f"{arm.source.name}: {missing}, so nothing to take hold with: write "
         f"{line} (the lip in the link's frame [m]), or [jaw] with its joints, in a file and give it with "
-        "--gripper FILE.toml (Python: robot(path, gripper=...)); --gripper HAND.urdf or wsg50 mounts a hand"
+        "gripper=FILE.toml; gripper=HAND.urdf or wsg50 mounts a hand"
     )
 
 

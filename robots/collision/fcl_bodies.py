@@ -38,11 +38,12 @@ def apart(a: Sequence[FloatArray], b: Sequence[FloatArray], distance: float) -> 
     """
     import fcl
 
-    bodies = [[(part, fcl_body(part)) for part in parts] for parts in (a, b)]
-    for part, one in bodies[0]:
-        for other_part, other in bodies[1]:
-            low = np.maximum(part.min(axis=0), other_part.min(axis=0))
-            high = np.minimum(part.max(axis=0), other_part.max(axis=0))
-            if np.all(low - high < distance) and fcl.distance(one, other, fcl.DistanceRequest()) < distance:
-                return False
-    return True
+    near = [
+        (part, other)
+        for part in a
+        for other in b
+        if (np.maximum(part.min(axis=0), other.min(axis=0)) - distance
+            < np.minimum(part.max(axis=0), other.max(axis=0))).all()
+    ]  # fmt: skip
+    asked = fcl.DistanceRequest()
+    return all(fcl.distance(fcl_body(part), fcl_body(other), asked) >= distance for part, other in near)

@@ -51,9 +51,7 @@ def filled(prisms: Sequence[Prism], length: float, layers: int) -> FloatArray:
     """Points (N, 3) in prisms, from their fronts some metres back [m]."""
     grids = [
         np.meshgrid(
-            np.linspace(*prism.x, 3),
-            np.linspace(*prism.y, 3),
-            prism.front - np.linspace(0.0, length, layers),
+            np.linspace(*prism.x, 3), np.linspace(*prism.y, 3), prism.front - np.linspace(0.0, length, layers)
         )
         for prism in prisms
     ]

@@ -69,23 +69,22 @@ def new_world() -> "PhysicalWorld":
 def rehearsal_world() -> "PhysicalWorld":
     """An empty world in which a plan tries something beforehand.
 
-    It is one of `DEFAULT_ENGINE`, whatever plays the world that is planned for: both play the same plan. No
-    camera sees it.
+    It is one of `DEFAULT_ENGINE`, whatever plays the world that is planned for: both play the same plan.
 
     Raises:
         NotInstalled: The engine is not installed.
     """
-    return _world_of(DEFAULT_ENGINE, drawn=False)
+    return _world_of(DEFAULT_ENGINE)
 
 
-def _world_of(engine: str, drawn: bool = True) -> "PhysicalWorld":
+def _world_of(engine: str) -> "PhysicalWorld":
     if engine == MUJOCO:
         from topple.robots.mujoco.world import MujocoWorld
 
         return MujocoWorld()
     from topple.robots.world.world import World
 
-    return World(drawn=drawn)
+    return World()
 
 
 def arm_in(

@@ -28,6 +28,7 @@ class MujocoArm(ActingArm):
     ) -> None:
         super().__init__(arm, pose_base_to_world, q)
         self._world = world
+        world.arms.append(self)
         world.put_arm(arm, self.pose_base_to_world, arm.joint_values(self.q_target, self.tool_state))
         self._efforts = {
             str(joint.get("name")): float(limit.get("effort") or 0.0) or np.inf

@@ -16,8 +16,8 @@ from topple.robots.world.physical_world import Physics, principal_axes
 from topple.robots.world.tolerances import FRICTION
 from topple.topology.base.arrays import FloatArray
 
-SEEN, TOUCHING, FLOOR = 2, 3, 4
-"""Groups of shapes: what cameras see, what collides, and the floor, which does but is not seen."""
+TOUCHING, FLOOR = 3, 4
+"""Groups of shapes: what collides, and the floor, which does but is felt by no ray."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,6 @@ def _add_body(spec: Any, body: Body, pose: FloatArray, fixed: bool) -> list[Shap
         _add_part(spec, added, name, part, TOUCHING)
         lever = body.rolling
         shapes.append(Shape(name, body.name, not fixed, False, body.friction, lever, lever))
-    _add_mesh(spec, added, f"{body.name} seen", body.mesh.vertices, body.mesh.faces, body.color)
     return shapes
 
 
@@ -163,20 +162,6 @@ def _add_part(spec: Any, body: Any, name: str, part: FloatArray, group: int) -> 
     mesh = spec.add_mesh(name=name, uservert=np.asarray(part).ravel())
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
     body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, **common)
-
-
-def _add_mesh(
-    spec: Any, body: Any, name: str, vertices: FloatArray, faces: Any, color: Sequence[float]
-) -> None:
-    """What a camera sees of a body."""
-    mesh = spec.add_mesh(
-        name=name, uservert=np.asarray(vertices).ravel(), userface=np.asarray(faces, dtype=np.int32).ravel()
-    )
-    mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
-    body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_MESH, name=name, meshname=name, group=SEEN, contype=0, conaffinity=0,
-        mass=0.0, rgba=list(color),
-    )  # fmt: skip
 
 
 def _as_box(part: FloatArray) -> tuple[FloatArray, FloatArray] | None:

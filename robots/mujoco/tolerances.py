@@ -32,13 +32,6 @@ PUSHING = 40.0
 
 MOST_PUSH = 200.0
 """[N] of a cup's drive whose file says no effort: what a URDF's slider is taken for elsewhere."""
-
-AMBIENT = 0.45
-"""Share of light that comes from everywhere."""
-
-LIGHT = (0.25, -0.31, 0.92)
-"""Where the rest comes from (3,), about a unit vector."""
-
 # -- model
 
 SQUARE = 1e-6

@@ -6,14 +6,12 @@ from typing import Any
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.mujoco.camera import rendered
 from topple.robots.mujoco.engine import mujoco
 from topple.robots.mujoco.model import TOUCHING, Blueprint, Shape, weld_name
 from topple.robots.mujoco.tolerances import SUBSTEPS
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
-from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.physical_world import Constraint, Contact, PhysicalWorld, Physics
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
@@ -58,8 +56,7 @@ class MujocoWorld(PhysicalWorld):
         if fixed:
             self._fixed.add(body.name)
 
-    def add_floor(self, height: float) -> None:
-        """Put a level floor without a name into the world, at a height in [m]."""
+    def _add_floor(self, height: float) -> None:
         self._keep()
         self._blueprint.floors.append(height)
 
@@ -221,12 +218,6 @@ class MujocoWorld(PhysicalWorld):
         force, turn = exerted[at : at + 3], self.pose(name)[:3, :3]
         middle = turn @ self.body(name).centre_of_mass
         return force, turn @ exerted[at + 3 : at + 6] - np.cross(middle, force)
-
-    def rendered(self, camera: Camera) -> Rendered:
-        """What a camera without faults sees, by rays: no graphics are needed."""
-        model, data = self.state
-        numbers = {model.geom(f"{name} seen").id: number for name, number in self.ids.items()}
-        return rendered(camera, model, data, numbers)
 
     @property
     def state(self) -> tuple[Any, Any]:

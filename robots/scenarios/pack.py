@@ -31,10 +31,7 @@ def pack(seed: int = 0) -> Scenario:
 def _layout(
     world: PhysicalWorld, finished: PhysicalWorld, rng: np.random.Generator
 ) -> tuple[str, tuple[str, ...]]:
-    flat = [
-        box("tea", FLAT, color=(0.30, 0.55, 0.35, 1.0)),
-        box("rice", FLAT, color=(0.85, 0.80, 0.65, 1.0)),
-    ]
+    flat = [box("tea", FLAT, color=(0.30, 0.55, 0.35, 1.0)), box("rice", FLAT, color=(0.85, 0.80, 0.65, 1.0))]
     tops = [
         box("cocoa", (0.09, 0.055, 0.05), color=(0.45, 0.28, 0.18, 1.0)),
         can("can", diameter=0.055, height=0.08),

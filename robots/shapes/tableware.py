@@ -10,11 +10,7 @@ from topple.topology.scene.mesh import Mesh
 
 
 def plate(
-    name: str = "plate",
-    *,
-    diameter: float = 0.25,
-    height: float = 0.022,
-    well: float = 0.0065,
+    name: str = "plate", *, diameter: float = 0.25, height: float = 0.022, well: float = 0.0065
 ) -> Body:
     """A dinner plate with a foot ring, a flat well and a sloping flange.
 
@@ -38,13 +34,7 @@ def plate(
     return STONEWARE.body(name, parts, closed_surface(stack), kind="plate", color=PAINTS["white"])
 
 
-def bowl(
-    name: str = "bowl",
-    *,
-    diameter: float = 0.16,
-    height: float = 0.06,
-    sides: int = 20,
-) -> Body:
+def bowl(name: str = "bowl", *, diameter: float = 0.16, height: float = 0.06, sides: int = 20) -> Body:
     """A bowl with a flat base and a rounded wall 4 mm thick.
 
     Args:
@@ -90,12 +80,7 @@ def cup(
     return STONEWARE.body(name, parts, surface, kind="cup", color=color)
 
 
-def mug(
-    name: str = "mug",
-    *,
-    diameter: float = 0.085,
-    height: float = 0.095,
-) -> Body:
+def mug(name: str = "mug", *, diameter: float = 0.085, height: float = 0.095) -> Body:
     """A cup with a handle that stands 3 cm out along x.
 
     Args:

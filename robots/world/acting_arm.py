@@ -1,7 +1,7 @@
 """An arm that acts in a world, whatever engine plays it: how it follows motions, closes and feels."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from topple.robots.poses import inverse
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.compliance import Compliance
 from topple.robots.world.physical_world import PhysicalWorld
+from topple.robots.world.rendering import NOBODY, Shown, surfaces_of
 from topple.robots.world.touch import Touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
@@ -147,6 +148,13 @@ class ActingArm(ABC):
         """Link -> (4, 4) measured pose of its frame in the world."""
         found = {link: self.link_pose(link) for link in self.arm.links[1:]}
         return {self.arm.links[0]: self.pose_base_to_world, **found}
+
+    def shown(self) -> Iterator[Shown]:
+        """What cameras see of it, where it is now."""
+        poses = self.link_poses()
+        for link, surfaces in surfaces_of(self.arm).items():
+            for surface in surfaces:
+                yield surface, poses[link], NOBODY
 
     def _error(self) -> float:
         return float(np.abs(self.q - self.q_target).max())

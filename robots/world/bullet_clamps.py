@@ -22,6 +22,7 @@ class BulletClamps(Clamps[tuple[int, int]]):
         super().__init__(world, names)
 
     def _let_go(self, name: str, grip: tuple[int, int]) -> None:
+        self._world.sleep.wake()
         clamp, constraint = grip
         pybullet.removeConstraint(constraint, physicsClientId=self._world.client)
         pybullet.removeBody(clamp, physicsClientId=self._world.client)

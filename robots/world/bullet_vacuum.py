@@ -52,6 +52,7 @@ class BulletVacuum(Vacuum):
         pose_object = pose_from(
             *pybullet.getBasePositionAndOrientation(world.ids[name], physicsClientId=world.client)
         )
+        world.sleep.wake()
         # Bullet's constraints see gravity a step late: what hangs on one sags, and would be pushed down first
         pose_object[2, 3] += world.physics.gravity * world.time_step**2 / CONSTRAINT_ERP
         position, quaternion = position_and_quaternion(inverse(pose_from(state[0], state[1])) @ pose_object)

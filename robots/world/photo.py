@@ -6,7 +6,7 @@ lamps see.
 """
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, zoom
 
 from topple.robots.poses import inverse
 from topple.robots.world.camera import Camera, Noise
@@ -34,8 +34,10 @@ SAMPLES = 14
 """Places that are asked of a lamp for each pixel, on a spiral over the shadow's edge."""
 GOLDEN = 2.39996
 """Turn from one of them to the next [rad]: the golden angle spreads them evenly."""
-SMOOTH = 1.2
-"""Width of the blur that evens out the grain of few samples [px]."""
+COARSE = 2
+"""Light is worked out for one pixel of so many each way: shadows are soft."""
+SMOOTH = 0.8
+"""Width of the blur that evens out the grain of few samples, in these pixels."""
 LIFTED = 0.004
 """How far in front of a surface something must be to darken it [m], a pixel of a lamp on a slope."""
 
@@ -57,7 +59,7 @@ def photograph(world: PhysicalWorld, camera: Camera, *, whole: bool = False) -> 
     coarse = (slice(FINE // 2, None, FINE), slice(FINE // 2, None, FINE))
     height, width = SIZE[1], SIZE[0]
     colours = rgb.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
-    light = _light(world, framed, depth[coarse], corners)
+    light = zoom(_light(world, framed, depth[coarse][::COARSE, ::COARSE], corners), COARSE, order=1)
     names = {number + 1: name for name, number in world.ids.items()}
     label = np.where(np.isin(body[coarse] + 1, list(names)), body[coarse] + 1, 0)
     colours[depth[coarse] <= 0] = 255.0
@@ -96,7 +98,7 @@ def _framed(camera: Camera, corners: FloatArray, fine: int) -> Camera:
 def _light(world: PhysicalWorld, camera: Camera, depth: FloatArray, corners: FloatArray) -> FloatArray:
     """(H, W) by what the colours are to be multiplied: 1 in the light of both lamps."""
     height, width = depth.shape
-    row, column = np.mgrid[:height, :width] * FINE + FINE / 2
+    row, column = np.mgrid[:height, :width] * (FINE * COARSE) + FINE / 2
     rays = np.stack(
         [
             (column - camera.K[0, 2]) / camera.K[0, 0],

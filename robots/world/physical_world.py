@@ -1,16 +1,18 @@
 """A world that is played: what every engine offers of it, and what is the same in all of them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
-from topple.robots.world.tolerances import TABLE_FRICTION, THICKNESS
+from topple.robots.world.rendering import NOBODY, Shown, Surface, draw
+from topple.robots.world.tolerances import FLOOR, FLOOR_COLOUR, TABLE_FRICTION, THICKNESS
 from topple.topology.base.arrays import FloatArray, rounded
 from topple.topology.base.errors import UnknownObject
 from topple.topology.geometry.rigid import transformed
@@ -71,6 +73,14 @@ class Constraint:
     max_force: float
 
 
+class Drawn(Protocol):
+    """What cameras see beside bodies, such as an arm."""
+
+    def shown(self) -> Iterator[Shown]:
+        """Its surfaces where they are now."""
+        ...
+
+
 class PhysicalWorld(ABC):
     """A simulation of its own, to be used with `with`; z is up.
 
@@ -79,6 +89,7 @@ class PhysicalWorld(ABC):
         physics: Time step, gravity, solver.
         ids: The engine's number of every named body.
         time: Simulated time in [s].
+        arms: What cameras see beside the bodies.
     """
 
     engine: ClassVar[str]
@@ -87,8 +98,11 @@ class PhysicalWorld(ABC):
         self.physics = physics or Physics()
         self.ids: dict[str, int] = {}
         self.time = 0.0
+        self.arms: list[Drawn] = []
         self._bodies: dict[str, Body] = {}
         self._fixed: set[str] = set()
+        self._floors: list[Surface] = []
+        self._surfaces: WeakKeyDictionary[Body, Surface] = WeakKeyDictionary()
 
     def __enter__(self) -> "PhysicalWorld":
         return self
@@ -137,9 +151,15 @@ class PhysicalWorld(ABC):
     def remove(self, name: str) -> None:
         """Take a body out of the world."""
 
-    @abstractmethod
     def add_floor(self, height: float) -> None:
         """Put a level floor without a name into the world, at a height in [m]."""
+        corners = np.array([[x, y, height] for x in (-FLOOR, FLOOR) for y in (-FLOOR, FLOOR)])
+        self._floors.append(Surface.of(corners, np.array([[0, 2, 1], [1, 2, 3]]), FLOOR_COLOUR))
+        self._add_floor(height)
+
+    @abstractmethod
+    def _add_floor(self, height: float) -> None:
+        """Put a floor into the simulation."""
 
     def add_table(
         self,
@@ -215,9 +235,9 @@ class PhysicalWorld(ABC):
                 return True
         return False
 
-    def at_rest(self) -> bool:
-        """Whether nothing moves at this instant."""
-        for name in self.movable:
+    def at_rest(self, names: Iterable[str] | None = None) -> bool:
+        """Whether nothing moves at this instant, of what is named where something is."""
+        for name in self.movable if names is None else names:
             speed, turn = self.speeds(name)
             if speed > TOLERANCES.still_speed or turn > TOLERANCES.still_turn:
                 return False
@@ -235,9 +255,21 @@ class PhysicalWorld(ABC):
     def constraints(self) -> tuple[Constraint, ...]:
         """Everything that ties bodies together."""
 
-    @abstractmethod
     def rendered(self, camera: Camera) -> Rendered:
         """What a camera without faults sees."""
+        return draw(camera, self.shown())
+
+    def shown(self) -> Iterator[Shown]:
+        """All that cameras see, where it is now."""
+        for name, body in self._bodies.items():
+            if body not in self._surfaces:
+                colour = [255 * share for share in body.color[:3]]
+                self._surfaces[body] = Surface.of(body.mesh.vertices, body.mesh.faces, colour)
+            yield self._surfaces[body], self.pose(name), self.ids[name]
+        for floor in self._floors:
+            yield floor, np.eye(4), NOBODY
+        for arm in self.arms:
+            yield from arm.shown()
 
     def _number(self, name: str) -> int:
         if name not in self.ids:

@@ -8,6 +8,7 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.cup import SuctionCup
+from topple.robots.arm.gripper import ToolState
 from topple.robots.engine import pybullet
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.world.acting_arm import ActingArm
@@ -62,7 +63,7 @@ class SimulatedArm(ActingArm):
         self.id: int = pybullet.loadURDF(
             str(arm.urdf), position, quaternion, useFixedBase=True, physicsClientId=world.client
         )
-        world.register_robot(self.id)
+        world.register_robot(self.id, self)
         self._index: dict[str, int] = {}
         self._link: dict[str, int] = {}
         self._names: dict[int, str] = {-1: "base"}
@@ -75,6 +76,9 @@ class SimulatedArm(ActingArm):
             self._limit[info[1].decode()] = float(info[10])
         self._arm_joints = [self._index[name] for name in arm.joints]
         self._arm_forces = [self._limit[name] for name in arm.joints]
+        # motors go on with what they were told
+        self._told: tuple[FloatArray, FloatArray] | None = None
+        self._hand_told: tuple[ToolState, float, bool] | None = None
         self._reset()
         self._weigh_hinges()
         self._couple_fingers()
@@ -187,46 +191,57 @@ class SimulatedArm(ActingArm):
         return pose_from(state[4], state[5])
 
     def _drive(self, q: FloatArray, v: FloatArray) -> None:
-        client, count = self.world.client, len(self._arm_joints)
-        pybullet.setJointMotorControlArray(
-            self.id, self._arm_joints, pybullet.POSITION_CONTROL, targetPositions=q.tolist(),
-            targetVelocities=v.tolist(), forces=self._arm_forces,
-            positionGains=[self.control.position_gain] * count,
-            velocityGains=[self.control.velocity_gain] * count,
-            physicsClientId=client,
-        )  # fmt: skip
+        count = len(self._arm_joints)
+        if self._told is None or not (np.array_equal(q, self._told[0]) and np.array_equal(v, self._told[1])):
+            self._told = q, v
+            pybullet.setJointMotorControlArray(
+                self.id, self._arm_joints, pybullet.POSITION_CONTROL, targetPositions=q.tolist(),
+                targetVelocities=v.tolist(), forces=self._arm_forces,
+                positionGains=[self.control.position_gain] * count,
+                velocityGains=[self.control.velocity_gain] * count,
+                physicsClientId=self.world.client,
+            )  # fmt: skip
+        hand = self.tool_state, self._grip_force, self.vacuum is None
+        if hand != self._hand_told:
+            self._hand_told = hand
+            self._drive_hand()
+
+    def _drive_hand(self) -> None:
         if self.jaw:
             share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
             for name, value in self.jaw.values(self.tool_state).items():
-                pybullet.setJointMotorControl2(
-                    self.id, self._index[name], pybullet.POSITION_CONTROL, targetPosition=value,
-                    force=share * self.jaw.lever(name),
-                    maxVelocity=self.jaw.speed / 2 / self.jaw.lever(name), physicsClientId=client,
-                )  # fmt: skip
+                lever = self.jaw.lever(name)
+                self._push(name, value, share * lever, self.jaw.speed / 2 / lever)
         if self.cup:
             push = self.control.seating if self.vacuum is None else math.inf
             for name, value in self.cup.values(self.tool_state).items():
-                pybullet.setJointMotorControl2(
-                    self.id, self._index[name], pybullet.POSITION_CONTROL, targetPosition=value,
-                    force=min(push, self._limit[name]), maxVelocity=self.cup.speed, physicsClientId=client,
-                )  # fmt: skip
+                self._push(name, value, min(push, self._limit[name]), self.cup.speed)
+
+    def _push(self, joint: str, value: float, force: float, speed: float) -> None:
+        """Drive a joint of the hand to a value, with a force and a speed in its units."""
+        pybullet.setJointMotorControl2(
+            self.id, self._index[joint], pybullet.POSITION_CONTROL, targetPosition=value,
+            force=force, maxVelocity=speed, physicsClientId=self.world.client,
+        )  # fmt: skip
 
     def _advance(self) -> None:
-        self.world.step()
+        self.world.advance()
         if self.vacuum is not None:
             self.vacuum.check()
-        for arm in self._both:
-            arm._note_touches()
+        self.world.sleep.after_step(set().union(*[arm._note_touches() for arm in self._both]))
         for watch in self.on_step:
             watch()
 
-    def _note_touches(self) -> None:
+    def _note_touches(self) -> set[int]:
+        """Note what it touches and how hard; PyBullet's numbers of that and of what its cup holds."""
         points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
         for point in points:
             name = self.world.name_of(point[2])
             if name is not None and point[9] > 0.0:
                 link = self._names[point[3]]
                 note_touch(self.touched, name, link, float(point[9]), self.world.time_step)
+        held = {self.world.ids[self.vacuum.name]} if self.vacuum is not None else set[int]()
+        return held.union(point[2] for point in points)
 
 
 class JointLoads:

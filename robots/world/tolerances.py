@@ -147,3 +147,33 @@ WEAK = 1e-2
 
 CLAMPING = 500.0
 """[N] and [N m] that a fixture holds against: a small vice."""
+
+
+# -- bullet_sleep
+
+ASLEEP_AFTER = 0.5
+"""[s] that bodies must rest before they sleep: the speed of one of 10 cm that tips grows e-fold in 0.08 s."""
+
+ASLEEP_EACH = 12
+"""Steps between two looks at whether it rests: a twentieth of a second."""
+
+
+# -- rendering
+
+AMBIENT = 0.6
+"""Share of light that comes from everywhere."""
+
+LAMP = (0.4, -0.5, 1.5)
+"""Where the rest comes from (3,)."""
+
+SMOOTH = 0.7
+"""[rad] up to which an edge is drawn round: a cylinder of twelve sides bends by 0.52, a box by 1.57."""
+
+FLOOR = 15.0
+"""[m] from the middle of a floor to where it is no longer drawn."""
+
+FLOOR_COLOUR = (205.0, 205.0, 210.0)
+"""Red, green, blue, 0..255, of concrete."""
+
+ARM_TRIANGLES = 12_000
+"""Most triangles that an arm is drawn with: of a Panda's 103,000, 99 % of corners within 2 mm of them."""

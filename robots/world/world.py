@@ -1,6 +1,7 @@
 """The PyBullet world: a table, bodies made of convex parts, and what touches what."""
 
 import ctypes
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,15 +13,17 @@ from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.scratch import Scratch
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
-from topple.robots.world.camera import Camera, Rendered
+from topple.robots.world.bullet_shapes import shown_in
+from topple.robots.world.bullet_sleep import Sleep
 from topple.robots.world.physical_world import (
     Constraint,
     Contact,
+    Drawn,
     PhysicalWorld,
     Physics,
     principal_axes,
 )
-from topple.robots.world.rendering import rendered
+from topple.robots.world.rendering import Shown
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
@@ -48,7 +51,8 @@ class World(PhysicalWorld):
 
     Attributes:
         client: PyBullet's number of the simulation; to be given to every call of PyBullet.
-        robots: PyBullet's numbers of the robots.
+        sleep: What rests and costs nothing; to be woken before something is done to bodies from outside.
+        robots: PyBullet's number of each robot -> what draws it; None: the shapes that PyBullet has of it.
 
     Examples:
         >>> with World() as world:
@@ -58,14 +62,14 @@ class World(PhysicalWorld):
 
     engine = "bullet"
 
-    def __init__(self, physics: Physics | None = None, *, drawn: bool = True) -> None:
+    def __init__(self, physics: Physics | None = None) -> None:
         super().__init__(physics)
         self.client: int = pybullet.connect(pybullet.DIRECT)
-        self._drawn = drawn
-        self.robots: set[int] = set()
+        self.robots: dict[int, Drawn | None] = {}
         self._inertial: dict[str, FloatArray] = {}  # pose_inertial_to_body
         self._body_to_inertial: dict[str, FloatArray] = {}
         self._names: dict[int, str] = {}
+        self.sleep = Sleep(self, self.client)
         self._files = Scratch()
         self._written = 0
         pybullet.setGravity(0, 0, -self.physics.gravity, physicsClientId=self.client)
@@ -88,14 +92,15 @@ class World(PhysicalWorld):
 
     def add(self, body: Body, pose_body_to_world: FloatArray | None = None, *, fixed: bool = False) -> None:
         """Put a body into the world; see `PhysicalWorld.add`."""
+        self.sleep.wake()
         if body.name in self.ids:
             raise InvalidInput(f"two bodies are called {body.name!r}: give each its own name")
         moments, pose_inertial_to_body = principal_axes(body)
         pose = (np.eye(4) if pose_body_to_world is None else pose_body_to_world) @ pose_inertial_to_body
         core = cores(body.parts)
-        collision, visual = self._shapes(core, body, pose_inertial_to_body)
+        shape = self._shape(core, pose_inertial_to_body)
         number: int = pybullet.createMultiBody(
-            0.0 if fixed else body.mass, collision, visual, *position_and_quaternion(pose),
+            0.0 if fixed else body.mass, shape, -1, *position_and_quaternion(pose),
             useMaximalCoordinates=True, physicsClientId=self.client,
         )  # fmt: skip
         self.ids[body.name], self._names[number] = number, body.name
@@ -117,17 +122,19 @@ class World(PhysicalWorld):
     def __enter__(self) -> "World":
         return self
 
-    def add_floor(self, height: float) -> None:
-        """Put a level floor without a name into the world, at a height in [m]."""
+    def _add_floor(self, height: float) -> None:
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self.client)
         pybullet.createMultiBody(0.0, plane, basePosition=[0, 0, height], physicsClientId=self.client)
 
-    def register_robot(self, number: int) -> None:
+    def register_robot(self, number: int, drawn: Drawn | None = None) -> None:
         """Note that PyBullet's body `number` is a robot: no object, and background to the cameras."""
-        self.robots.add(number)
+        self.robots[number] = drawn
+        if drawn is not None:
+            self.arms.append(drawn)
 
     def remove(self, name: str) -> None:
         """Take a body out of the world."""
+        self.sleep.wake()
         number = self._number(name)
         pybullet.removeBody(number, physicsClientId=self.client)
         del self.ids[name], self._names[number], self._bodies[name], self._inertial[name]
@@ -145,6 +152,7 @@ class World(PhysicalWorld):
 
     def place(self, name: str, pose_body_to_world: FloatArray, rising: float = 0.0) -> None:
         """Set a body somewhere; see `PhysicalWorld.place`."""
+        self.sleep.wake()
         number = self._number(name)
         pose = pose_body_to_world @ self._inertial[name]
         pybullet.resetBasePositionAndOrientation(
@@ -154,9 +162,14 @@ class World(PhysicalWorld):
 
     def step(self, count: int = 1) -> None:
         """Advance the simulation by `count` time steps."""
+        self.sleep.wake()
         for _ in range(count):
-            pybullet.stepSimulation(physicsClientId=self.client)
-        self.time += count * self.time_step
+            self.advance()
+
+    def advance(self) -> None:
+        """Take one time step in which what sleeps goes on sleeping."""
+        pybullet.stepSimulation(physicsClientId=self.client)
+        self.time += self.time_step
 
     def speeds(self, name: str) -> tuple[float, float]:
         """Speed in [m/s] and turning speed in [rad/s] of a body."""
@@ -164,9 +177,14 @@ class World(PhysicalWorld):
         speed, turn = np.linalg.norm(velocity, axis=1)
         return float(speed), float(turn)
 
-    def rendered(self, camera: Camera) -> Rendered:
-        """What a camera without faults sees, drawn by TinyRenderer."""
-        return rendered(camera, self.client)
+    def shown(self) -> Iterator[Shown]:
+        """All that cameras see, where it is now; what others put into the simulation as well."""
+        yield from super().shown()
+        count: int = pybullet.getNumBodies(physicsClientId=self.client)
+        for k in range(count):
+            number = pybullet.getBodyUniqueId(k, physicsClientId=self.client)
+            if number not in self._names and self.robots.get(number) is None:
+                yield from shown_in(self.client, number)
 
     def contacts(self) -> list[Contact]:
         """Everything that touched in the last step, robots and the floor left out."""
@@ -197,6 +215,7 @@ class World(PhysicalWorld):
 
     def snapshot(self) -> Snapshot:
         """Keep the state of the simulation, for `restore`."""
+        self.sleep.wake()
         number = int(pybullet.saveState(physicsClientId=self.client))
         return Snapshot(number, self.time, frozenset(self.ids))
 
@@ -209,26 +228,20 @@ class World(PhysicalWorld):
         if snapshot.names != frozenset(self.ids):
             changed = sorted(snapshot.names ^ frozenset(self.ids))
             raise InvalidInput(f"{', '.join(changed)} came or went since the snapshot: take a new one")
+        self.sleep.wake()
         pybullet.restoreState(snapshot.number, physicsClientId=self.client)
         self.time = snapshot.time
 
-    def _shapes(self, core: Core, body: Body, pose_inertial_to_body: FloatArray) -> tuple[int, int]:
-        """Numbers of the collision and the visual shape, in the frame PyBullet moves."""
+    def _shape(self, core: Core, pose_inertial_to_body: FloatArray) -> int:
+        """Number of the collision shape, in the frame PyBullet moves."""
         pose = inverse(pose_inertial_to_body)
         parts = [transformed(part, pose) for part in core.parts]
         fans = [np.array([[0, k, k + 1] for k in range(1, len(part) - 1)]) for part in parts]
-        collision: int = pybullet.createCollisionShape(
+        shape: int = pybullet.createCollisionShape(
             pybullet.GEOM_MESH, fileName=self._obj(parts, fans), physicsClientId=self.client
         )
-        _set_margin(collision, core.margin, self.client)
-        if not self._drawn:
-            return collision, -1
-        seen = transformed(body.mesh.vertices, pose)
-        visual: int = pybullet.createVisualShape(
-            pybullet.GEOM_MESH, fileName=self._obj([seen], [body.mesh.faces]), rgbaColor=body.color,
-            specularColor=[0.1, 0.1, 0.1], physicsClientId=self.client,
-        )  # fmt: skip
-        return collision, visual
+        _set_margin(shape, core.margin, self.client)
+        return shape
 
     def _obj(self, parts: list[FloatArray], faces: list[Any]) -> str:
         """Write a Wavefront file, one object a part: the one way PyBullet takes many hulls as one shape."""

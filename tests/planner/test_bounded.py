@@ -72,7 +72,7 @@ def test_more_objects_than_a_stated_number_are_refused_at_once(apart: float) -> 
     tracemalloc.start()
     try:
         for work in (lambda: relate(scene), lambda: order(scene)):
-            with pytest.raises(InvalidInput, match=r"3000 objects, and 500 are allowed.*--max-objects"):
+            with pytest.raises(InvalidInput, match=r"3000 objects, and 500 are allowed.*most_objects=N"):
                 work()
         assert tracemalloc.get_traced_memory()[1] < 50e6
     finally:

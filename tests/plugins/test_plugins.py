@@ -291,7 +291,7 @@ def test_a_plan_is_written_in_the_format_of_another_package(
     assert (tmp_path / "list").read_text().endswith(". free low\n")
     capsys.readouterr()
     assert main(["export", str(tmp_path / "plan.json"), "--to", "x"]) == 2
-    assert "expected json, dot, graphml, pddl, bt, moveit, ros2, list" in capsys.readouterr().err
+    assert "expected dot, graphml, pddl, bt, moveit, ros2, list" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -320,7 +320,7 @@ def check_unit(movable: Mapping[str, FloatArray]) -> None:
         raise InvalidInput(
             f"most objects are longer than {LARGEST_HELD:g} m, {name!r} {extents[name]:.4g} m: centimetres? "
             "topple takes metres, so scale the scene (centimetres: points / 100); what never moves may be "
-            "larger: name it with --fixed"
+            "larger: name it with fixed=NAME"
         )
 
 

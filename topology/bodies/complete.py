@@ -12,19 +12,21 @@ from topple.topology.base.remembered import remembered
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import (
     BARE,
+    BOXY,
     COMPLETE_CLOSED,
     KEPT_BODIES,
     LARGEST,
     MOUTH,
     OUTSIDE,
     PLACES,
+    PLATE,
     REFUTED,
     ROUND_REFUTED,
 )
 from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.outline import least_rectangle
-from topple.topology.geometry.round import Fit, fits_of, flattest_side, round_body
+from topple.topology.geometry.round import Cylinder, Fit, Spheroid, fits_of, flattest_side, round_body
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree
@@ -169,6 +171,29 @@ def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
     return seen.hull is not None and _mouth_share(seen, seen.hull, sight) > MOUTH
 
 
+def kind_of(points: FloatArray, sight: FreeSpace | None, floor: float = -np.inf) -> str:
+    """Say in a word what a body looks like: box, can, ball, bowl, plate, or object where it is none of these.
+
+    Args:
+        points: (N, 3) upright seen points [m].
+        sight: What the cameras saw to be empty, or None where nobody knows.
+        floor: Height of what everything stands on [m].
+    """
+    seen = seen_of(points)
+    if _is_furniture(points):
+        return "object"
+    tall, *wide = (seen.upright_box.upper - seen.upright_box.lower).tolist()
+    if is_hollow(points, sight):
+        return "plate" if tall < PLATE * max(wide) else "bowl"
+    fit = _round_of(seen, seen.box, sight, floor)
+    if isinstance(fit, Spheroid):
+        return "ball"
+    if fit is not None and fit.half > PLATE * fit.radius:  # a flatter one is a book as likely as a disc
+        return "can"
+    sides = seen.box.upper - seen.box.lower
+    return "box" if _off(seen.box, seen) < BOXY * float(sides.max()) else "object"
+
+
 def _least_box(seen: _Seen) -> Box:
     """The box of least volume; upright ones are preferred by a tenth."""
     lying = [_box_along(seen.points, axis) for axis in _flat_sides(seen)]
@@ -207,15 +232,25 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
 
 def _as_round(seen: _Seen, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
     """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
-    points = seen.points
-    box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
-    fit = round_body(seen.fits, box_residual, floor)
-    # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
-    if fit is None or (sight is not None and sight.facing(points, fit.outward(points)).mean() <= OUTSIDE):
-        return points[:0]
+    fit = _round_of(seen, box, sight, floor)
+    if fit is None:
+        return seen.points[:0]
     surface = fit.surface(VOXEL)
     surface[:, 2] = np.maximum(surface[:, 2], floor)
     return _believable(surface, [seen.tree], sight, refuted=ROUND_REFUTED)
+
+
+def _round_of(seen: _Seen, box: Box, sight: FreeSpace | None, floor: float) -> Spheroid | Cylinder | None:
+    """The ball, spheroid or cylinder that a body is; None where it is none."""
+    fit = round_body(seen.fits, _off(box, seen), floor)
+    # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
+    out = fit is None or sight is None or sight.facing(seen.points, fit.outward(seen.points)).mean() > OUTSIDE
+    return fit if out else None
+
+
+def _off(box: Box, seen: _Seen) -> float:
+    """How far what was seen of a body is off a box [m], root mean square."""
+    return float(np.sqrt(np.mean(box.distances(seen.points) ** 2)))
 
 
 def _turned(points: FloatArray, box: Box) -> FloatArray:

@@ -51,7 +51,7 @@ def up_of(scene: Scene) -> FloatArray:
         InvalidInput: The scene has none.
     """
     if scene.up is None:
-        raise InvalidInput("handling needs to know where up is: give --up X Y Z or name a fixed table")
+        raise InvalidInput("handling needs to know where up is: give up=[X, Y, Z] or name a fixed table")
     up = np.asarray(scene.up, dtype=np.float64)
     return up / np.linalg.norm(up)
 

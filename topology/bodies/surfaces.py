@@ -36,11 +36,23 @@ class Surfaces:
         self._scene, self._like = ref(scene), like
         self._poses = {**{name: np.eye(4) for name in kept}, **(moved or {})}
         self._done: dict[str, FloatArray] = {}
+        self.without_strays: Scene | None = None
+        """The scene as contacts are inferred in it, if they were."""
 
     @property
     def scene(self) -> "Scene | None":
         """The scene, while there is one."""
         return self._scene()
+
+    def before_without_strays(self) -> "Scene | None":
+        """That of the last scene before that has one, which is given up with it."""
+        like = self._like
+        while like is not None and like.without_strays is None:
+            like = like._like
+        found = None if like is None else like.without_strays
+        if like is not None:
+            like.without_strays = None
+        return found
 
     @cached_property
     def upright(self) -> Upright:

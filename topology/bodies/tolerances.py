@@ -27,6 +27,12 @@ OUTSIDE = 0.8
 PLACES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
 
+PLATE = 0.3
+"""Height, as a share of its width, below which a hollow body is called a plate, and a round one no can."""
+
+BOXY = 0.05
+"""Distance of points from their box, as a share of its length, below which a body is called a box."""
+
 KEPT_BODIES = 100
 """Bodies of which what was worked out is kept, some 0.3 MB each: ten scenes of ten things."""
 
@@ -54,11 +60,7 @@ SPACING = 0.006
 ORIENTATIONS = 576
 """Orientations tried: each is within some 20 degrees of one of them, and a fit settles from as far."""
 
-STAGES = (
-    (40, 48, 6, 0.03, False),
-    (16, 150, 8, 0.02, True),
-    (6, 400, 12, 0.008, True),
-)
+STAGES = ((40, 48, 6, 0.03, False), (16, 150, 8, 0.02, True), (6, 400, 12, 0.008, True))
 """Of each stage the poses kept, the points of either side looked at, the rounds, from where on points are not
 matched [m], and whether points of the model that cannot be there count: from outlines down to depth noise."""
 

@@ -86,9 +86,9 @@ class Upright:
             InvalidInput: The scene has no `up`.
         """
         if scene.up is None:
-            cure = "give it with --up 0 0 1 (or the array 'up' in the file)"
+            cure = "give it with up=[0, 0, 1] (or the array 'up' in the file)"
             if scene.images:  # there 0 0 1 would be the camera's viewing axis
-                cure = "name the table by its label, --fixed LABEL: its plane then tells"
+                cure = "name the table by its label, fixed=LABEL: its plane then tells"
             raise InvalidInput(
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )

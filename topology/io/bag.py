@@ -81,9 +81,7 @@ def read(
             )
         parts = bag.frame(stream, moments[number])
     if image is None and len(moments) > 1:
-        parts.notes.append(
-            f"frame 0 of {len(moments)} is taken, the first: --image N (image=N) takes another"
-        )
+        parts.notes.append(f"frame 0 of {len(moments)} is taken, the first: image=N takes another")
     return parts
 
 
@@ -166,10 +164,10 @@ class _Bag:
         short = " or ".join(kind.rsplit("/", 1)[1] for kind in kinds)
         has = ", ".join(f"{name} ({each.kind.rsplit('/', 1)[1]})" for name, each in self._topics.items())
         if given is None and len(found) != 1:
-            raise InvalidInput(f"say with --{role} TOPIC which {short} is meant: it has {has or 'no topics'}")
+            raise InvalidInput(f"say with {role}=TOPIC which {short} is meant: it has {has or 'no topics'}")
         name = found[0] if given is None else given
         if name not in self._topics or self._topics[name].kind not in kinds:
-            raise InvalidInput(f"--{role} {name} is no topic of {short}: it has {has or 'no topics'}")
+            raise InvalidInput(f"{role}={name} is no topic of {short}: it has {has or 'no topics'}")
         return self._topics[name]
 
     def moments(self, topic: _Topic) -> list[_Moment]:
@@ -201,18 +199,14 @@ class _Bag:
         if stream.info is None or stream.labels is None:
             points, labels = labelled_points(message, where)
             pose = arrays.pop("pose_camera_to_world")
-            arrays |= {
-                "points": transformed(points, pose),
-                "labels": labels,
-                "viewpoints": pose[None, :3, 3],
-            }
+            arrays |= {"points": transformed(points, pose), "labels": labels, "viewpoints": pose[None, :3, 3]}
             parts = parts_from_labelled(arrays)
         else:
             masks, apart = self._nearest(stream.labels, moment[0])
             if apart > APART:
                 raise InvalidInput(
                     f"{where}: the closest labels of {stream.labels.topic} are {apart:.2f} s away: expected "
-                    f"at most {APART:g}; take a frame that has its own with --image N"
+                    f"at most {APART:g}; take a frame that has its own with image=N"
                 )
             told = self._nearest(stream.info, moment[0])[0]
             depth = _depth(message, where)
@@ -230,7 +224,7 @@ class _Bag:
             frames = {what: each.header.frame_id.lstrip("/") for what, each in about.items()}
             if self._between(frames, "depth", "camera_info", moment[0]) is not None:
                 raise InvalidInput(
-                    _apart(frames, "camera_info") + "name that of the depth camera with --info"
+                    _apart(frames, "camera_info") + "name that of the depth camera with info=TOPIC"
                 )
             if (pose := self._between(frames, "depth", "labels", moment[0])) is not None:
                 K_labels = self._intrinsics(frames["labels"], label.shape, moment[0])

@@ -104,7 +104,7 @@ def _refuse_gap(path: Path, number: int) -> None:
     if others and _found(folder, stem, _DEPTHS) is None:
         raise InvalidInput(
             f"has no depth/{stem}.png, and has depth/{others[0]}: expected the depth of image {number}; "
-            "--models (models=True) takes the models at their true poses"
+            "models=True takes the models at their true poses"
         )
 
 
@@ -127,7 +127,7 @@ def _chosen(image: int | None, cameras: Mapping[int, Any]) -> tuple[int, list[st
         raise InvalidInput(f"{_CAMERAS} has no images: expected at least one")
     if image is None:
         first = min(cameras)
-        rest = f"image {first} of {len(cameras)} is taken, the first: --image N (image=N) takes another"
+        rest = f"image {first} of {len(cameras)} is taken, the first: image=N takes another"
         return first, [rest] if len(cameras) > 1 else []
     if image not in cameras:
         known = sorted(cameras)

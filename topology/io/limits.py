@@ -71,8 +71,7 @@ def check_place(path: Path, what: str) -> Path:
         raise InvalidInput(f"{what} is not below the root: expected a path in the folder that is served")
     if root is not None and not place.is_relative_to(os.path.realpath(root)):
         raise InvalidInput(
-            f"{what} is not below the folder: copy it there, or allow it with --allow-outside "
-            "(load_scene(..., allow_outside=True))"
+            f"{what} is not below the folder: copy it there, or allow it with allow_outside=True"
         )
     return place
 
@@ -169,5 +168,5 @@ def check_size(size: int, what: str) -> None:
     if not 0 <= size <= _most.get():
         raise InvalidInput(
             f"{what} would unpack to {size / 1e6:.0f} MB, and {_most.get() / 1e6:.0f} MB are allowed: thin "
-            "the clouds, or allow more with --max-mb (load_scene(..., most_bytes=))"
+            "the clouds, or allow more with most_bytes=N"
         )

@@ -129,8 +129,7 @@ def load_scene(
 
 
 AnyScene = Annotated[
-    Scene | str | os.PathLike[str],
-    "clouds and meshes make one by name, scene_from_objects({'mug': mesh})",
+    Scene | str | os.PathLike[str], "clouds and meshes make one by name, scene_from_objects({'mug': mesh})"
 ]
 """A scene as it is, or the path of one; and what to say where it is neither."""
 

@@ -26,11 +26,7 @@ _POINTS, _ROWS = "_xyz_01mm", "_offsets"
 
 @checked_arguments
 def load_sequence(
-    path: str | os.PathLike[str],
-    *,
-    fixed: Names = (),
-    up: ArrayLike | None = None,
-    **options: Any,
+    path: str | os.PathLike[str], *, fixed: Names = (), up: ArrayLike | None = None, **options: Any
 ) -> Iterator[Scene]:
     """Read the frames of a tracked scene, one after the other.
 

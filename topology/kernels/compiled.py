@@ -34,6 +34,10 @@ _SIGNATURES = {
     "cells_sort": (_COUNT, _ARRAY, _COUNT, _ARRAY, _ARRAY, _ARRAY, _NUMBER, _ARRAY, _ARRAY),
     "cells_within": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY),
     "cells_means": (None, _ARRAY, _ARRAY, _ARRAY, _COUNT, _ARRAY),
+    "chain_solve": (
+        _COUNT, *[_ARRAY] * 5, _COUNT, _ARRAY, _COUNT, _ARRAY, _COUNT, *[_ARRAY] * 2, _COUNT, _NUMBER,
+        *[_ARRAY] * 2,
+    ),
     "closest_places": (None, *[_ARRAY] * 5, _COUNT, _COUNT, _ARRAY, _ARRAY),
     "continued_planes": (None, *_PICTURE, _ARRAY, _COUNT, _ARRAY),
     "continued_surfaces": (
@@ -42,7 +46,14 @@ _SIGNATURES = {
     ),
     "heights_over": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY, _NUMBER, _ARRAY),
     "outline_corners": (_COUNT, _ARRAY, _COUNT, _ARRAY),
+    "pinch_windows": (
+        None, *[_ARRAY] * 2, _COUNT, *[_ARRAY] * 2, *[_COUNT] * 2, *[_ARRAY] * 2, _COUNT, _ARRAY, _COUNT,
+        _ARRAY, _COUNT, _ARRAY, _COUNT, *[_ARRAY] * 4,
+    ),
     "planes_of_patches": (None, _ARRAY, _COUNT, _COUNT, _ARRAY, _ARRAY, _ARRAY),
+    "triangles_drawn": (
+        None, _ARRAY, _COUNT, _ARRAY, _COUNT, _COUNT, _NUMBER, *[_ARRAY] * 4,
+    ),
     "sphere_nearest": (_COUNT, _ARRAY, _COUNT, _COUNT, _COUNT, _NUMBER, _NUMBER, _ARRAY),
 }  # fmt: skip
 """Name of a kernel -> what it gives and takes."""

@@ -6,16 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.topology.kernels.compiled import address, kernels
-from topple.topology.kernels.tolerances import (
-    AROUND,
-    FAR,
-    NARROW,
-    NEAREST,
-    NO_SURFACE,
-    NOBODY,
-    OFF,
-    PATCH,
-)
+from topple.topology.kernels.tolerances import AROUND, FAR, NARROW, NEAREST, NO_SURFACE, NOBODY, OFF, PATCH
 
 if TYPE_CHECKING:
     from topple.topology.base.arrays import BoolArray, FloatArray, IntArray

@@ -51,7 +51,10 @@ def infer_contacts(
     if scene.up is None or len(scene.clouds) < 2:
         return relations
     if scene is not relations.scene:  # strays of some are left out
-        carry_over(scene, relations.scene)
+        own = surfaces_of(relations.scene)
+        before = own.before_without_strays()
+        carry_over(scene, relations.scene if before is None else before)
+        own.without_strays = scene
     relations = _meeting_between_points(scene, relations)
     floating = floating_objects(scene, relations)
     open_pairs = [pair for name in floating for pair in relations.of(name) if _may_touch(pair)]

@@ -25,10 +25,7 @@ from topple.topology.sixim.relation_table import Extent, LoadedBasis, RelationTa
 RULES: Table[Callable[[Scene, float | None], Rule]] = Table(
     "topple.relations",
     "rule",
-    {
-        "robust": "topple.topology.relations.robust:robust",
-        "plain": "topple.topology.sixim.fast.rule:plainly",
-    },
+    {"robust": "topple.topology.relations.robust:robust", "plain": "topple.topology.sixim.fast.rule:plainly"},
 )
 """What makes each rule for a scene, by the rule's name; the deviation [m] is None where it is not given."""
 
@@ -213,8 +210,7 @@ def _check_count(count: int, what: str, most: int) -> None:
     if count > most:
         raise InvalidInput(
             f"the scene has {count} {what}, and {most} are allowed: leave out what is far from the targets, "
-            "or allow more with --max-objects of topple relate and order (Python: relate(..., most_objects=) "
-            "and order(..., relations=))"
+            "or relate it with most_objects=N"
         )
 
 

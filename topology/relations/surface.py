@@ -91,7 +91,9 @@ class SurfaceCloud:
     @cached_property
     def points(self) -> FloatArray:
         """(N, 3) kept points, grouped by cell [m]."""
-        return self.cloud.take(self.order, axis=0)  # a quarter of what indexing takes
+        found = self.cloud.take(self.order, axis=0)  # a quarter of what indexing takes
+        found.setflags(write=False)
+        return found
 
     @cached_property
     def _box(self) -> tuple[FloatArray, FloatArray]:

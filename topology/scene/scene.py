@@ -53,8 +53,7 @@ class Scene(ByValue):
         robot_base: Pose (4, 4) of the robot's base in the world, or None.
         assumptions: Plain sentences on what was assumed and not given.
         masses: Masses in [kg] of the objects that were weighed; any others are guessed from their volume.
-        friction: Coulomb coefficients of the surfaces of the objects that were tried: two that touch have
-            the product (`topple.topology.scene.friction`).
+        friction: Coulomb coefficients of surfaces that were tried; two that touch have the product.
         models: How known models were laid onto what was seen of objects (`topple.topology.with_models`).
         matter: Points (N, 3) in [m], about 1 cm apart, of what is no object and in the way: walls, screens.
         wrong_masks: Masks of the images that are wrong in kind, where these were asked (`examined`).

@@ -30,7 +30,7 @@ from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
 from topple.topology.statics.tolerances import SHOWN
-from topple.topology.statics.way_out import along, boards_going_on, way_out
+from topple.topology.statics.way_out import along, continued_boards, way_out
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,15 @@ class Situation:
             return self.known_relations
         if self.origin is None or self.origin.pose is None:
             return relate(self.scene)
-        return self.origin.before.relations.followed(self.scene)
+        before = self.origin.before
+        while before.origin is not None and before.origin.pose is not None and not before.is_related:
+            before = before.origin.before  # nobody has asked of those between
+        return before.relations.followed(self.scene)
+
+    @property
+    def is_related(self) -> bool:
+        """Whether the relations were worked out already."""
+        return self.known_relations is not None or "relations" in vars(self)
 
     @cached_property
     def statics(self) -> Statics:
@@ -207,13 +215,16 @@ class Situation:
         """
         if not len(self.scene.viewpoints):
             return self
-        return replace(
+        found = replace(
             self,
+            known_relations=self.relations,
             known_solids=self.solids,
             known_completed=with_level_undersides(
                 self.completed, set(self.movable) - self.scene.whole, self.up
             ),
         )
+        vars(found)["statics"] = self.statics  # they are of the same clouds
+        return found
 
     def shown(self, places: FloatArray, slack: float) -> BoolArray:
         """Which places cameras saw, a surface there, or what was moved or taken away from there since.
@@ -294,7 +305,7 @@ class Situation:
         if bodies.sight is not None:
             sight, to_upright = bodies.sight, bodies.upright.rotation.T
             clouds += [
-                boards_going_on(cloud, self.up, lambda p: sight.empty(p @ to_upright)) for cloud in clouds
+                continued_boards(cloud, self.up, lambda p: sight.empty(p @ to_upright)) for cloud in clouds
             ]
         return frozen(np.concatenate([np.empty((0, 3)), *clouds]))
 

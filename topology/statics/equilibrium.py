@@ -47,9 +47,7 @@ class Balance:
 
 
 def balance(
-    weights: Mapping[str, Weight],
-    contacts: Sequence[Contact],
-    costs: Sequence[FloatArray] | None = None,
+    weights: Mapping[str, Weight], contacts: Sequence[Contact], costs: Sequence[FloatArray] | None = None
 ) -> Balance:
     """Find contact forces that hold every object still, leaving as little unexplained as possible.
 

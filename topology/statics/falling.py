@@ -123,10 +123,7 @@ def falls(
 
 
 def _fallen(
-    bodies: Mapping[str, Weight],
-    contacts: Sequence[Contact],
-    stood: Collection[str],
-    search: Search | None,
+    bodies: Mapping[str, Weight], contacts: Sequence[Contact], stood: Collection[str], search: Search | None
 ) -> dict[str, Fall]:
     """How far the bodies of an island sink, from which something was taken away beside some of them.
 

@@ -20,7 +20,7 @@ from topple.topology.statics.tolerances import ALONG, APART, BETTER, FAR_OFF, HA
 
 _LEVEL = ("table", "ground", "floor")
 
-GIVEN_UP = "the up that is given (--up, or the scene's own up or table_plane)"
+GIVEN_UP = "the up that is given (up=, or the scene's own up or table_plane)"
 
 _FLOOR = "\n"  # no object's name: names have printable characters only
 
@@ -166,26 +166,26 @@ def _is_level(name: str) -> bool:
 def _contradiction(scene: Scene, up: FloatArray, other: FloatArray, hanging: float) -> str:
     """The line that says what does not fit and what would."""
     what = f"up is {_listed(up)}, but then nothing carries {hanging:.0%} of the weight of the objects"
-    fits = f"with up {_listed(other)} they stand"
+    fits, give = f"with up {_listed(other)} they stand", f"up=[{_listed(other).replace(' ', ', ')}]"
     if scene.images and not scene.fixed:
         return (
             f"{what}: in a depth image up is a direction of the camera's frame (0 0 1 is its viewing axis); "
-            f"name what they stand on by its label, --fixed LABEL, and leave out {GIVEN_UP}; {fits}"
+            f"name what they stand on by its label, fixed=LABEL, and leave out {GIVEN_UP}; {fits}"
         )
-    cure = f"give --up {_listed(other)}, or turn round the up or table_plane that the scene gives"
+    cure = f"give {give}, or turn round the up or table_plane that the scene gives"
     found = up_from_fixed(scene.clouds, sorted(scene.fixed), scene.viewpoints)
     if any(float(other @ turned) > ALONG for turned in _as_in_opengl(scene, up)):
         cure = (
             "is the camera's pose in OpenGL axes, y up and z backward? give pose @ diag(1, -1, -1, 1); or, "
-            f"if the pose is right, --up {_listed(other)}"
+            f"if the pose is right, {give}"
         )
     elif scene.images and found is not None and float(found[0] @ up) > APART:
         named = " and ".join(sorted(scene.fixed))
-        cure = f"is it {named} that they stand on? name with --fixed what is; or give --up {_listed(other)}"
+        cure = f"is it {named} that they stand on? say with fixed=NAME what is; or give {give}"
     elif scene.images:
-        cure = f"leave out {GIVEN_UP}, and it is taken from what is fixed; or give --up {_listed(other)}"
+        cure = f"leave out {GIVEN_UP}, and it is taken from what is fixed; or give {give}"
     elif not scene.fixed:
-        cure = f"give --up {_listed(other)}, or name what carries them with --fixed"
+        cure = f"give {give}, or name what carries them with fixed=NAME"
     return f"{what}, while {fits}: {cure}"
 
 

@@ -103,13 +103,7 @@ class Statics:
             contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight, meeting)
             unexplained = deficits(weights, within_reach(contacts, weights))
         return Statics(
-            upright,
-            surfaces,
-            contacts,
-            FrozenDict(weights),
-            FrozenDict(unexplained),
-            sight,
-            meeting,
+            upright, surfaces, contacts, FrozenDict(weights), FrozenDict(unexplained), sight, meeting
         )
 
     @cached_property

@@ -65,7 +65,7 @@ def way_out(own: FloatArray, fixed: FloatArray, up: FloatArray) -> FloatArray:
     return min(found, key=lambda each: each[0])[1] if found else up
 
 
-def boards_going_on(
+def continued_boards(
     cloud: FloatArray, up: FloatArray, empty: Callable[[FloatArray], BoolArray]
 ) -> FloatArray:
     """Places where the upper boards of a fixed body may go on: pictures end, and things hide them.

@@ -15,15 +15,7 @@ from scipy import ndimage
 
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.kernels.continued import Pixels, continued
-from topple.topology.kernels.tolerances import (
-    AROUND,
-    BORDER,
-    FAR,
-    NEAREST,
-    NO_SURFACE,
-    NOBODY,
-    OFF,
-)
+from topple.topology.kernels.tolerances import AROUND, BORDER, FAR, NEAREST, NO_SURFACE, NOBODY, OFF
 from topple.topology.views.tolerances import (
     CLEARLY,
     ENOUGH,

@@ -1,6 +1,8 @@
 """Everything wrong a user can give: exit code 2, one line that names it, nothing on stdout."""
 
+import ast
 import json
+import re
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -8,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import topple
 from topple.planner.cli import progress
+from topple.planner.cli.console import in_options
 from topple.planner.cli.main import main
 
 RNG = np.random.default_rng(0)
@@ -278,3 +282,28 @@ def test_a_demo_that_does_not_exist_or_cannot_be_written(refused: Refused, tmp_p
     assert not (tmp_path / "out").exists()
     (tmp_path / "file").write_text("")
     assert "file" in refused("demo", "-o", tmp_path / "file")
+
+
+@pytest.mark.parametrize(
+    ("python", "shell"),
+    [
+        ("give up=[0, 0, 1] or name a table", "give --up 0 0 1 or name a table"),
+        ("models=True takes them; image=N another", "--models takes them; --image N another"),
+        ("allow more with most_bytes=N", "allow more with --max-mb N"),
+        ("in the camera's frame, or pose_source_to_world=POSE", "in the camera's frame"),
+        ("a == b, and x=3 stays", "a == b, and x=3 stays"),
+    ],
+)
+def test_messages_name_keywords_in_python_and_options_on_the_command_line(python, shell):
+    assert in_options(python) == shell
+
+
+def test_no_message_of_the_library_names_an_option():
+    root, strings = Path(topple.__file__).parent, list[str]()
+    for path in [*(root / "topology").rglob("*.py"), *(root / "robots").rglob("*.py")]:
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        docs = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+        texts = [node for node in nodes if isinstance(node, ast.Constant) and id(node) not in docs]
+        strings += [node.value for node in texts if isinstance(node.value, str)]
+    assert len(strings) > 1000
+    assert [text for text in strings if re.search(r"(?<![\w-])--(?!no-deps)[a-z]{2}", text)] == []

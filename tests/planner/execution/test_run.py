@@ -77,7 +77,7 @@ def test_a_run_is_told_in_the_contracts_words(record: RunRecord) -> None:
 def test_unknown_targets_and_scenes_without_a_table_are_refused(tower: Scene) -> None:
     with pytest.raises(UnknownObject, match="'plate'"):
         run(tower, ["plate"], "panda")
-    with pytest.raises(InvalidInput, match="--fixed"):
+    with pytest.raises(InvalidInput, match="fixed=NAME"):
         run(Scene({"a": tower.clouds["aside"]}, up=[0, 0, 1]), ["a"], "panda")
 
 

@@ -156,5 +156,5 @@ def test_hands_are_marked_as_they_are_made_whatever_their_grasp_says() -> None:
     lit = Handling("block", Situation(shaded(LOW, OTHER)), PANDA, BASE)
     for asked, unseen in ((handling, {True}), (lit, {False})):
         grasps = [replace(pinch(), unseen=not min(unseen))]
-        found = asked.hands(grasps, np.asarray(PANDA.home), FailureLog(frozenset()))
+        found = list(asked.hands(grasps, np.asarray(PANDA.home), FailureLog(frozenset())))
         assert {hand.unseen for hand, _ in found} == unseen

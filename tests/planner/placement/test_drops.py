@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from topple.planner.placement import drops as placement_drops
+from topple.planner.placement import rehearsal
 from topple.planner.placement.drops import Drops, standing, staying
 from topple.planner.placement.placement import Placement
 from topple.robots import engines
@@ -105,7 +105,7 @@ def test_drops_are_rehearsed_on_whatever_engine_is_installed(
         return worlds[-1]
 
     monkeypatch.setattr(engines, "DEFAULT_ENGINE", engine)
-    monkeypatch.setattr(placement_drops, "rehearsal_world", watched)
+    monkeypatch.setattr(rehearsal, "rehearsal_world", watched)
     cube, ball = box("cube", (0.05, 0.05, 0.05)), lemon()
     slab = {"table": [SLAB]}
     with Drops("cube", {**slab, "cube": standing_parts(cube)}, UP) as drops:

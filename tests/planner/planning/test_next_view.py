@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from topple.planner.cli.main import main
+from topple.planner.decide.words import side_of
 from topple.planner.planning.next_view import next_view, next_views
 from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.scene import Scene
@@ -68,4 +69,17 @@ def test_the_command_tells_it(hidden: Scene, tmp_path: Path, capsys: pytest.Capt
     told = json.loads(capsys.readouterr().out)["next_view"]
     assert 0 < told["worth"] <= 1 and len(told["eye"]) == 3 and told["shows"]
     assert main(["order", str(path), "--next-view"]) == 0
-    assert "Next view: from (" in capsys.readouterr().out
+    out = " ".join(capsys.readouterr().out.split())
+    assert f"Next view: {told['from']}, (" in out and f"Look {told['from']}: where it meets" in out
+    assert main(["show", str(path), "-o", str(tmp_path / "page.html")]) == 0
+    assert f"Next view: {told['from']}, (" in (tmp_path / "page.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("way", "side"),
+    [((1, 0.2, 0), "right"), ((-1, 0.2, 0.5), "left"), ((0.1, -1, 0), "front"), ((0.1, 0.2, 2), "above")],
+)
+def test_a_side_is_as_the_camera_has_it(way: tuple[float, float, float], side: str) -> None:
+    up, right = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    assert side_of(np.array(way), right, up).endswith(side)
+    assert side_of(np.array([0.0, 1.0, 0.0]), right, up) == "from behind"

@@ -198,7 +198,7 @@ def test_targets_are_checked(tower: Scene) -> None:
 
 def test_without_up_and_without_a_fixed_object() -> None:
     clouds = {"a": _box((0.1, 0.1, 0.1), (0, 0, 0.05))}
-    with pytest.raises(InvalidInput, match="--up"):
+    with pytest.raises(InvalidInput, match="up="):
         order(Scene(clouds))
     assert any("no object is fixed" in said for said in order(Scene(clouds, up=(0, 0, 1))).assumptions)
 

@@ -15,7 +15,7 @@ import pytest
 pytest.importorskip("viser", reason="viser is not installed: pip install '.[view]'")
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the server's own libraries
 
-from topple.planner.report.live import LivePage, _cell  # noqa: E402
+from topple.planner.report.live import LivePage  # noqa: E402
 from topple.topology.relations.relate import relate  # noqa: E402
 
 
@@ -43,11 +43,11 @@ def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
         assert [name for name, _ in page.moves][-1] != "table" and len(page.moves) == len(scene.movable)
         page.show_step(1)
         first = page.moves[0][0]
-        assert [name for name, (shown,) in page._objects.items() if not shown.visible] == [first]
+        assert [name for name, shown in page._objects.items() if not shown.visible] == [first]
         page.show_step(99)
         assert page.step == len(page.moves)
         page.show_step(0)
-        assert all(shown.visible for (shown,) in page._objects.values())
+        assert all(shown.visible for shown in page._objects.values())
     finally:
         url = page.url
         page.close()
@@ -96,14 +96,42 @@ def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
     page = LivePage(stack[0], plan, port=free_port())
     try:
         page.show_step(2)
-        (tin,) = page._objects["tin"]
+        tin = page._objects["tin"]
         assert tin.position == pytest.approx([0.6, 0, 0]) and tin.wxyz == pytest.approx([1, 0, 0, 0])
     finally:
         page.close()
 
 
-def test_names_are_no_markup() -> None:
-    assert _cell("a|b*<i>") == "a\\|b\\*\\<i\\>"
+def test_an_arm_stands_as_the_plan_begins_and_plays_it(lone_plan) -> None:
+    plan, scene = lone_plan
+    page = LivePage(scene, plan, port=free_port())
+    try:
+        link, hand = page._arm[-1]
+        before = hand.position.copy()
+        np.testing.assert_allclose(before, page._motion.links[0, link, :3, 3])
+        page.show_time(1e3)
+        assert np.linalg.norm(hand.position - page._motion.links[-1, link, :3, 3]) < 1e-9
+        np.testing.assert_allclose(page._objects["box"].position, page._motion.carried["box"][-1, :3, 3])
+        page.show_step(0)
+        np.testing.assert_allclose(hand.position, before)
+        page.show_reason("box")
+        assert (
+            page._why.content == f"**box**: {page.reasons['box']}"
+            and plan.steps[0].reason[1:] in page.reasons["box"]
+        )
+    finally:
+        page.close()
+
+
+def test_the_order_plays_to_its_end_and_names_are_no_markup(stack) -> None:
+    page = LivePage(stack[0], port=free_port())
+    try:
+        page._steps.value = len(page.moves) - 1
+        page.play(page._steps)
+        assert page._steps.value == len(page.moves)
+        assert page._cell("a|b*<i>") == "a\\|b\\*\\<i\\>"
+    finally:
+        page.close()
 
 
 def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path, stack) -> None:

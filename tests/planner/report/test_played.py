@@ -15,8 +15,8 @@ from topple.planner.report.plan_page import plan_motion, plan_page
 from topple.planner.report.played import STEP, TURN, arm_shape, motion_json, spans
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.robots.arm.looks import looks
 from topple.robots.arm.tolerances import BARE, DARKEST
+from topple.robots.arm.visuals import visuals
 from topple.robots.catalog import robot
 
 
@@ -67,15 +67,15 @@ def test_poses_come_back_within_a_step_of_their_packing(panda):
 @pytest.mark.parametrize("name", ["panda-suction", "iiwa", "xarm6"])
 def test_an_arm_looks_like_its_urdf_in_few_triangles(name):
     arm = robot(name)
-    seen = looks(arm, LIMITS.arm_triangles)
-    assert 1500 < sum(len(look.faces) for parts in seen for look in parts) <= LIMITS.arm_triangles
+    seen = visuals(arm, LIMITS.arm_triangles)
+    assert 1500 < sum(len(visual.faces) for parts in seen for visual in parts) <= LIMITS.arm_triangles
     for parts, drawn in zip(arm.parts, seen, strict=True):
         assert bool(drawn) >= bool(parts)  # whatever can be hit is seen
         if parts and drawn:
-            solid, shown = np.concatenate(parts), np.concatenate([look.vertices for look in drawn])
+            solid, shown = np.concatenate(parts), np.concatenate([visual.vertices for visual in drawn])
             assert np.abs(solid.min(axis=0) - shown.min(axis=0)).max() < 0.03
             assert np.abs(solid.max(axis=0) - shown.max(axis=0)).max() < 0.03
-    colours = {look.colour for parts in seen for look in parts}
+    colours = {visual.colour for parts in seen for visual in parts}
     assert min(max(colour) for colour in colours) >= DARKEST
     assert len(json.dumps(arm_shape(arm))) < 100_000
 
@@ -87,9 +87,9 @@ def test_an_arm_without_meshes_and_colours_is_seen_by_its_hulls_in_grey(tmp_path
     joint = "<joint name='j' type='revolute'><parent link='a'/><child link='b'/>"
     joint += "<axis xyz='0 0 1'/><limit lower='-1' upper='1' velocity='1'/></joint>"
     bare.write_text(f"<robot name='bare'>{link.format('a')}{link.format('b')}{joint}</robot>")
-    seen = looks(Arm.from_urdf(bare, "b", {}), 100)
-    assert [[len(look.faces) for look in parts] for parts in seen] == [[12], [12]]
-    assert {look.colour for parts in seen for look in parts} == {BARE}
+    seen = visuals(Arm.from_urdf(bare, "b", {}), 100)
+    assert [[len(visual.faces) for visual in parts] for parts in seen] == [[12], [12]]
+    assert {visual.colour for parts in seen for visual in parts} == {BARE}
 
 
 def test_another_arm_stands_beside(panda):

@@ -15,6 +15,7 @@ from topple.planner.report.drawing import Drawing
 from topple.planner.report.figure import PAPER, RISE, SIZE, order_gif, show_picture
 from topple.planner.report.graph import graph_file
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.names import spoken_names
 from topple.planner.report.palette import RELATION_COLOURS, css, object_colours
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import show_page
@@ -180,7 +181,7 @@ def test_the_photo_names_every_mask_and_its_place_in_the_order(photographed):
     page = show_page(*photographed)
     assert page.count('class="chip"') == len(scene.movable) == 2
     for place, name in zip(("1st", "2nd"), found.order, strict=True):
-        assert re.search(rf">{place}</b><span>{name}</span>", page)
+        assert f">{place}</b><span>{spoken_names(scene)[name]}</span>" in page
     picture = base64.b64decode(re.search(r'src="data:image/jpeg;base64,([^"]+)"', page).group(1))
     assert Image.open(io.BytesIO(picture)).width < scene.images[0].rgb.shape[1]
 

@@ -72,7 +72,7 @@ def tools(arm: Arm, path: FloatArray, tool: str = "fingers") -> FloatArray:
 
 def standing(made: Handling, log: FailureLog) -> Reached:
     """The cube's grasp as the arm makes it first."""
-    found = made.reached(made.hands([pinch()], np.array(PANDA.home), log), False, log)
+    found = list(made.reached(made.hands([pinch()], np.array(PANDA.home), log), False, log))
     assert found, log.reasons
     return found[0]
 
@@ -80,7 +80,7 @@ def standing(made: Handling, log: FailureLog) -> Reached:
 @pytest.mark.parametrize(("arm", "grasp", "turns"), [(PANDA, pinch(), 2), (CUP, sucking(), 4)])
 def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: Grasp, turns: int) -> None:
     made, log = handling(arm)
-    hands = made.hands([grasp], np.array(arm.home), log)
+    hands = list(made.hands([grasp], np.array(arm.home), log))
     angles = sorted(
         round(np.degrees(angle_between(grasp.pose_tool_to_world, hand.pose_tool_to_world)))
         for hand, _ in hands
@@ -95,7 +95,7 @@ def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: G
 def test_pads_that_swing_as_they_close_come_to_where_the_grasp_has_them() -> None:
     arm = robot("xarm6")
     made, log = handling(arm)
-    hands = made.hands([replace(pinch(), width=0.08, opening=0.085)], np.array(arm.home), log)
+    hands = list(made.hands([replace(pinch(), width=0.08, opening=0.085)], np.array(arm.home), log))
     assert hands, log.reasons
     for hand, states in hands:
         pads = tools(arm, states) @ arm.tools["fingers"].pads(hand.width)
@@ -106,7 +106,7 @@ def test_pads_that_swing_as_they_close_come_to_where_the_grasp_has_them() -> Non
 def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets() -> None:
     wall = block((-0.1, 0.1), (SIDE / 2 + 0.001, SIDE / 2 + 0.04), (0.0, 0.2))
     made, log = handling(wall=wall)
-    assert made.hands([pinch()], np.array(PANDA.home), log) == []
+    assert list(made.hands([pinch()], np.array(PANDA.home), log)) == []
     assert log.barring["wall"] == 2
     assert log.furthest is not None
     assert (log.furthest.step, log.furthest.check) == ("grasp", "collision")
@@ -115,14 +115,14 @@ def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets() -> Non
 
 def test_a_grasp_out_of_reach_is_left_out_and_says_so() -> None:
     made, log = handling()
-    assert made.hands([pinch(x=2.0)], np.array(PANDA.home), log) == []
+    assert list(made.hands([pinch(x=2.0)], np.array(PANDA.home), log)) == []
     assert dict(log.reasons) == {"grasp out of reach": 2}
 
 
 def test_of_each_hand_at_most_two_free_states_are_kept() -> None:
     made, log = handling()
-    hands = made.hands([pinch()], np.array(PANDA.home), log)
-    found = made.reached(hands, False, log)
+    hands = list(made.hands([pinch()], np.array(PANDA.home), log))
+    found = list(made.reached(hands, False, log))
     assert {id(state.grasp) for state in found} == {id(hand) for hand, _ in hands}
     assert len(hands) <= len(found) <= 2 * len(hands)
     for state in found:
@@ -157,8 +157,8 @@ def test_a_way_up_into_something_is_none_and_says_what_is_met() -> None:
     bar = block((SIDE / 2 - 0.005, 0.2), (-0.03, 0.03), (SIDE + 0.02, SIDE + 0.04))
     free, _ = handling()
     made, log = handling(bar=bar)
-    hands = free.hands([pinch()], np.array(PANDA.home), FailureLog(frozenset()))
-    state = free.reached(hands, False, FailureLog(frozenset()))[0]  # as if the bar were not there
+    hands = list(free.hands([pinch()], np.array(PANDA.home), FailureLog(frozenset())))
+    state = next(free.reached(hands, False, FailureLog(frozenset())))  # as if the bar were not there
     assert made.lift(state, LENGTH, log).path is None
     assert log.barring["bar"] == 1
     assert log.furthest is not None and log.furthest.step == "lift"

@@ -91,13 +91,13 @@ def test_a_group_is_the_arm_and_all_else_holds_still(tmp_path: Path, srdf: Path,
 
 def test_of_two_arms_one_has_to_be_named(tmp_path: Path, srdf: Path) -> None:
     path = two_armed(tmp_path)
-    with pytest.raises(InvalidInput, match=r"several arms: .* --group NAME, one of left, right$"):
+    with pytest.raises(InvalidInput, match=r"several arms: .* group=NAME, one of left, right$"):
         robot(path, srdf=srdf)
     with pytest.raises(InvalidInput, match=r"two\.urdf has several arms: .*left_link5, right_link5"):
         robot(path)
     with pytest.raises(InvalidInput, match="no group 'both'; groups that are an arm: left, right"):
         robot(path, srdf=srdf, group="both")
-    with pytest.raises(InvalidInput, match="give --srdf FILE"):
+    with pytest.raises(InvalidInput, match="give srdf=FILE"):
         robot(path, group="left")
     with pytest.raises(InvalidInput, match="panda is known whole"):
         robot("panda", srdf=srdf)

@@ -194,13 +194,13 @@ def test_topics_that_are_not_plain_are_asked_for(own: _Own, run: Path) -> None:
         own.send(1, topic, own._example._image(head, 1e3 * look.depth, "16UC1", "<u2"))
     path = own.close()
     with pytest.raises(
-        InvalidInput, match=r"say with --depth TOPIC which .* is meant: it has .*/a/depth \(Image"
+        InvalidInput, match=r"say with depth=TOPIC which .* is meant: it has .*/a/depth \(Image"
     ):
         load_scene(path)
     _same(load_scene(path, depth="/b/depth", fixed=["1"], up=UP), DepthImage(look.depth, look.K, look.label))
-    with pytest.raises(InvalidInput, match="--labels /camera/camera_info is no topic of Image or Compressed"):
+    with pytest.raises(InvalidInput, match="labels=/camera/camera_info is no topic of Image or Compressed"):
         load_scene(path, depth="/b/depth", labels="/camera/camera_info")
-    with pytest.raises(InvalidInput, match="--info /nothing is no topic of CameraInfo: it has "):
+    with pytest.raises(InvalidInput, match="info=/nothing is no topic of CameraInfo: it has "):
         load_scene(run, info="/nothing")
 
 

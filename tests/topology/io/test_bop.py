@@ -164,7 +164,7 @@ def test_numbers_that_make_no_sense_are_refused(
 def test_a_gap_in_the_depth_is_told_and_models_are_taken_when_asked_for(scene: Path) -> None:
     (scene / "depth" / "000000.png").unlink()
     with pytest.raises(
-        InvalidInput, match=r"has no depth/000000\.png, and has depth/000001\.png: .* --models"
+        InvalidInput, match=r"has no depth/000000\.png, and has depth/000001\.png: .* models=True"
     ):
         load_scene(scene, image=0)
     assert CAN in load_scene(scene, image=0, models=True).names

@@ -30,7 +30,7 @@ def test_what_unpacks_to_a_lot_is_refused_before_memory_is_taken(kind: str, tmp_
     path = _written(dict(made.MADE[kind](np.zeros((ROWS, 4)))), tmp_path)
     assert sum(file.stat().st_size for file in tmp_path.iterdir()) < 16 * ROWS / 50
     before = counting._peak(anew=True)
-    with pytest.raises(InvalidInput, match=r"unpack.* to .* --max-mb") as refused:
+    with pytest.raises(InvalidInput, match=r"unpack.* to .* most_bytes=N") as refused:
         load_scene(path, most_bytes=ALLOWED)
     assert counting._peak() - before < HELD and "\n" not in str(refused.value)
     with pytest.raises(InvalidInput, match="labels is 0 everywhere"):  # where it is allowed, it is read
@@ -81,7 +81,7 @@ def test_what_others_read_with_rosbags_is_not_bounded(tmp_path: Path) -> None:
     from rosbags.highlevel import AnyReader
 
     path = _written(dict(made.MADE["mcap, lz4"](np.zeros((ROWS, 4)))), tmp_path)
-    with pytest.raises(InvalidInput, match="--max-mb"):
+    with pytest.raises(InvalidInput, match="most_bytes=N"):
         load_scene(path, most_bytes=ALLOWED)
     with AnyReader([path]) as reader:
         assert [len(raw) > 16 * ROWS for _, _, raw in reader.messages()] == [True]

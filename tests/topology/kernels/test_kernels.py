@@ -17,6 +17,7 @@ from topple.topology.kernels.outline import outline_corners
 from topple.topology.kernels.pieces import pieces_of_links
 from topple.topology.kernels.planes import patch_planes
 from topple.topology.kernels.spheres import sphere_nearest
+from topple.topology.kernels.triangles import draw_triangles
 from topple.topology.views.borders import Picture
 
 pytestmark = pytest.mark.skipif(compiled.kernels() is None, reason="no kernels were compiled here")
@@ -270,20 +271,52 @@ def test_the_same_surfaces_are_continued_to_borders(monkeypatch):
     assert 0.1 < np.mean(ours[0][1] > 0) < 1.0 and (ours[1][1] > 0).any()
 
 
+def test_the_same_triangles_are_seen(monkeypatch):
+    near = RNG.normal(size=(60, 3, 3)) * [0.4, 0.3, 0.3] + [0.0, 0.0, 1.0]  # some behind the camera
+    flat = np.concatenate([near[:1, [0, 0, 1]], near[:1, [0, 1, 1]]])
+    table = np.array([[[-9.0, 0.3, -9.0], [9.0, 0.3, -9.0], [0.0, 0.3, 90.0]]])  # passes under the camera
+    corners = np.concatenate([near, flat, table])
+    paints = RNG.uniform(-50, 300, size=corners.shape)
+    K = np.array([[70.0, 0, 39.5], [0, 75.0, 29.5], [0, 0, 1]])
+    found = []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        found.append(draw_triangles(corners, paints, K, (80, 60), 0.05, 5.0))
+    (depth, owner, colours), (far, number, mixed) = found
+    assert np.mean(owner == number) > 0.999  # rounding decides about a pixel on an edge
+    same = owner == number
+    assert np.allclose(depth[same], far[same], rtol=1e-9) and (depth[owner < 0] == 0.0).all()
+    assert np.abs(colours[same].astype(int) - mixed[same]).max() <= 1
+    assert (owner == len(corners) - 1).any() and depth.max() <= 5.0 and depth[owner >= 0].min() >= 0.05
+
+
+def test_no_pixel_is_lost_between_neighbours():
+    rows, columns = np.mgrid[:21, :21]
+    grid = np.stack([columns - 10.0, rows - 10.0, 20.0 + RNG.normal(size=rows.shape)], axis=-1).reshape(-1, 3)
+    first = (rows[:-1, :-1] * 21 + columns[:-1, :-1]).ravel()[:, None]
+    corners = grid[np.concatenate([first + np.array([0, 1, 21]), first + np.array([1, 22, 21])])]
+    K = np.array([[100.0, 0, 40.0], [0, 100.0, 40.0], [0, 0, 1]])
+    depth, owner, _ = draw_triangles(corners, np.zeros_like(corners), K, (81, 81), 0.1, 99.0)
+    assert (owner[2:-2, 2:-2] >= 0).all() and 15.0 < depth[40, 40] < 25.0
+
+
 @pytest.mark.slow
 def test_kernels_stay_within_their_memory(tmp_path):
-    """The tests above under the address and undefined-behaviour sanitizers."""
+    """The tests above, and those of kernels elsewhere, under address and undefined-behaviour sanitizers."""
     library = tmp_path / build.library().name
     why = build.build(("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1"), library)
     asked = [str(build.compiler()), "-print-file-name=libasan.so"]
     asan = subprocess.run(asked, capture_output=True, text=True)
     if why is not None or not Path(asan.stdout.strip()).is_absolute():
         pytest.skip(f"no sanitizers here: {why or 'no libasan'}")
+    tests = Path(__file__).parents[2]
+    elsewhere = (tests / "planner/grasp/test_windows.py", tests / "robots/arm/test_inverse.py")
     code = (
         "import sys, pytest\n"
         "from topple.topology.kernels import compiled\n"
         f"compiled.library = lambda: __import__('pathlib').Path({str(library)!r})\n"
-        f"sys.exit(pytest.main([{__file__!r}, '-qm', 'not slow', '-pno:cacheprovider', '-Wignore']))"
+        f"sys.exit(pytest.main({[__file__, *map(str, elsewhere)]!r} + "
+        "['-qm', 'not slow', '-pno:cacheprovider', '-Wignore']))"
     )
     settings = {"LD_PRELOAD": asan.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0", "PATH": "/usr/bin:/bin"}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=settings)

@@ -61,7 +61,7 @@ def test_a_tilted_frame_finds_the_same_contacts() -> None:
 
 
 def test_without_up_the_message_says_how_to_give_it() -> None:
-    with pytest.raises(InvalidInput, match="--up 0 0 1"):
+    with pytest.raises(InvalidInput, match=r"up=\[0, 0, 1\]"):
         Upright.of(Scene({"a": box((0.1,) * 3, (0, 0, 0))}))
 
 

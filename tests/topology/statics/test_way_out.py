@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.robots.shapes import box
 from topple.topology.base.arrays import BoolArray, FloatArray
-from topple.topology.statics.way_out import boards_going_on, way_out
+from topple.topology.statics.way_out import continued_boards, way_out
 
 UP = np.array([0.0, 0.0, 1.0])
 TURN = Rotation.from_euler("zyx", [0.4, 0.3, -0.2]).as_matrix()
@@ -69,11 +69,11 @@ def test_a_board_that_a_picture_ends_on_goes_on_over_its_shelf_unless_that_is_se
     def hidden(places: FloatArray) -> BoolArray:
         return np.zeros(len(places), dtype=np.bool_)
 
-    guessed = boards_going_on(shelf, UP, hidden)
+    guessed = continued_boards(shelf, UP, hidden)
     assert np.allclose(np.ptp(guessed, axis=0), [0.5, 0.6, 0.0], atol=0.03)
     assert np.allclose(guessed[:, 2], 0.32, atol=0.004)
     thing = THING + np.array([0.08, 0.0, 0.0])
     assert np.array_equal(way_out(thing, shelf, UP), UP)
     assert np.allclose(way_out(thing, np.concatenate([shelf, guessed]), UP), [-1.0, 0.0, 0.0], atol=0.02)
-    assert len(boards_going_on(shelf, UP, lambda places: ~hidden(places))) == 0
-    assert len(boards_going_on(TABLE, UP, hidden)) == 0
+    assert len(continued_boards(shelf, UP, lambda places: ~hidden(places))) == 0
+    assert len(continued_boards(TABLE, UP, hidden)) == 0
