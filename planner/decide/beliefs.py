@@ -15,12 +15,12 @@ class Beliefs(ByValue):
     Attributes:
         chances: Pair -> the chances that looks so far gave, for objects that stayed where they were.
         alone: Objects that were put down clear of all others.
-        measured: (first, then) -> how far [m] lifting `then` was seen to move `first`; both are as they were.
+        measured: (first, then): lifting `then` was seen to move `first`, and both are as they were.
     """
 
     chances: Mapping[Pair, tuple[float, ...]] = field(default_factory=dict[Pair, tuple[float, ...]])
     alone: frozenset[str] = frozenset()
-    measured: Mapping[Pair, float] = field(default_factory=dict[Pair, float])
+    measured: frozenset[Pair] = frozenset()
 
     def weighed(self, found: Mapping[Pair, float], edges: Collection[Pair]) -> dict[Pair, float]:
         """What one more look found, weighed with what is believed.
@@ -57,13 +57,13 @@ class Beliefs(ByValue):
         }
         return replace(self, chances=chances, alone=self.alone - gone | frozenset(put_down))
 
-    def taught(self, changed: Collection[str], moved: Mapping[str, float], lifted: str) -> "Beliefs":
+    def taught(self, changed: Collection[str], moved: Collection[str], lifted: str) -> "Beliefs":
         """Beliefs after a lift was watched.
 
         Args:
             changed: Objects that are not where they were: what was measured of them is forgotten.
-            moved: What was seen to move, with how far [m].
+            moved: What was seen to move.
             lifted: What was put back then.
         """
-        kept = {pair: off for pair, off in self.measured.items() if not set(changed).intersection(pair)}
-        return replace(self, measured=kept | {(other, lifted): off for other, off in moved.items()})
+        kept = (pair for pair in self.measured if not set(changed).intersection(pair))
+        return replace(self, measured=frozenset([*kept, *((other, lifted) for other in moved)]))

@@ -253,25 +253,22 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
 
 
 def with_measured(
-    graph: DependencyGraph, measured: Collection[Pair], situation: Situation
+    graph: DependencyGraph, measured: Collection[Pair], situation: Situation, held: bool = False
 ) -> DependencyGraph:
-    """What has to go first where some lifts were tried: what closes a cycle takes a second hand.
-
-    Of several things that one lift moved it is those next to it, if any: the others moved by way of them.
+    """What had better go first where some lifts were tried: a circle is made of it only for a second hand.
 
     Args:
         graph: The dependencies that were reasoned.
         measured: (first, then) where lifting `then` moved `first`.
         situation: What is seen.
+        held: Whether there is a hand to hold what goes in a circle.
     """
-    chains = {pair: situation.chain(*pair) for pair in sorted(measured) if {*pair} <= {*graph.names}}
-    next_to = {then for (_, then), chain in chains.items() if len(chain) <= 1}
-    edges = [
-        Dependency(first, then, Reason.MEASURED, 1.0, chain or (situation.swept(then, first),))
-        for (first, then), chain in chains.items()
-        if len(chain) <= 1 or then not in next_to
-    ]
-    return DependencyGraph.of(graph.names, (*graph.dependencies, *edges))
+    for first, then in sorted(measured):
+        if {first, then} <= set(graph.names) and (held or then not in graph.before(first)):
+            shown = situation.chain(first, then) or (situation.swept(then, first),)
+            edge = Dependency(first, then, Reason.MEASURED, 1.0, shown)
+            graph = DependencyGraph.of(graph.names, (*graph.dependencies, edge))
+    return graph
 
 
 def counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:

@@ -8,6 +8,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.spatial import ConvexHull, QhullError
 
+from topple.planner.decide.arrange import Order
+from topple.planner.decide.dependency import DependencyGraph, Reason
 from topple.planner.execution.tolerances import HINT, TILE
 from topple.planner.tolerances import DISTURBED
 from topple.planner.transfer.transfer import Transfer
@@ -37,34 +39,26 @@ class LiftMonitor:
         images: Of the look before.
         situation: What was seen in them.
         named: Names of what is watched.
-        hint: How far [m] these may move.
     """
 
     stream: CameraStream
     images: Sequence[DepthImage]
     situation: Situation
     named: Collection[str]
-    hint: float = HINT
 
     @classmethod
     def of(
-        cls,
-        stream: object,
-        images: Sequence[DepthImage],
-        situation: Situation,
-        named: Collection[str],
-        hint: float,
+        cls, stream: object, images: Sequence[DepthImage], situation: Situation, named: Collection[str]
     ) -> "LiftMonitor | None":
         """The same, or None where nothing is to be watched or no stream of pictures is there."""
-        watched = named and isinstance(stream, CameraStream)
-        return cls(stream, images, situation, named, hint) if watched else None
+        return cls(stream, images, situation, named) if named and isinstance(stream, CameraStream) else None
 
     def detector(self, transfer: Transfer, robot: Driver, path: FloatArray) -> "ChangeDetector":
         """What detects changes of what stays while an arm with an object goes along a path (k, n)."""
         carried = (transfer.object, *transfer.riding)
         load = [part for name in carried for part in self.situation.solids.get(name, ())]
         moving = swept_parts(robot, path, transfer.grasp.tool, load)
-        return ChangeDetector(self.images, self.stream, moving, self.named, self.hint)
+        return ChangeDetector(self.images, self.stream, moving, self.named)
 
 
 class ChangeDetector:
@@ -79,7 +73,6 @@ class ChangeDetector:
         moving: Convex parts (V, 3) of arm and load over all of the motion [m]: pixels before, in or behind
             them are left out.
         named: Names of what is watched.
-        hint: How far [m] these may move.
     """
 
     def __init__(
@@ -88,9 +81,8 @@ class ChangeDetector:
         stream: CameraStream,
         moving: Sequence[FloatArray],
         named: Collection[str],
-        hint: float = HINT,
     ) -> None:
-        self._stream, self._moving, self._hint = stream, moving, hint
+        self._stream, self._moving = stream, moving
         self._masks = {_place(image): image for image in before}
         self._named = frozenset(named)
         self._views: dict[bytes, _View] = {}
@@ -107,7 +99,7 @@ class ChangeDetector:
         """Whether nothing is seen to move; `moved` has what is, with how far its surface is off [m]."""
         for image in self._stream.glimpse():
             if (view := self._views.get(_place(image))) is not None:
-                self.moved = {**self.moved, **view.moved(image.depth, self._hint)}
+                self.moved = {**self.moved, **view.moved(image.depth)}
         return not self.moved
 
 
@@ -139,13 +131,13 @@ class _View:
         whose = found[found >= 0] // ((rows.max() + 1) * (columns.max() + 1))
         return _View(tiles, tuple(seen.names[int(number)] for number in whose), image.depth)
 
-    def moved(self, depth: FloatArray, hint: float) -> dict[str, float]:
-        """Names of what is off its place in a picture (H, W) by more than a hint, by how far [m]."""
+    def moved(self, depth: FloatArray) -> dict[str, float]:
+        """Names of what is off its place in a picture (H, W), by how far [m]."""
         off = np.where((depth > 0) & (self.before > 0), depth - self.before, np.inf)
         pixels, middle = self._per_tile(off, np.abs(off) < 4 * DISTURBED)  # what is further off came between
         self._covered |= np.abs(middle - self._last) > DISTURBED  # and what jumps: nothing moves so fast
         self._last = middle
-        wrong = (pixels >= TILE**2 // 4) & (np.abs(middle) > hint) & ~self._covered
+        wrong = (pixels >= TILE**2 // 4) & (np.abs(middle) > HINT) & ~self._covered
         found: dict[str, float] = {}
         for tile in np.flatnonzero(wrong):
             found[self.names[tile]] = max(found.get(self.names[tile], 0.0), abs(float(middle[tile])))
@@ -161,18 +153,14 @@ class _View:
         return pixels, np.append(values, 0.0)[middle]
 
 
-def neighbours_to_watch(situation: Situation, transfer: Transfer, grip: Transfer | None) -> set[str]:
-    """What may move as an object is lifted: what its box is near to and no hand holds.
-
-    Nothing is watched as what a hand held goes: put back, it would not stand.
-    """
-    name, held = transfer.object, () if grip is None else (grip.object,)
-    if name in held:
-        return set()
+def neighbours_to_watch(situation: Situation, order: Order, name: str) -> set[str]:
+    """What may move as an object of an order is lifted, and could go before it: what its box is near to."""
     boxes = {other: np.stack([cloud.min(0), cloud.max(0)]) for other, cloud in situation.surfaces.items()}
     low, high = boxes[name] + [[-FARTHEST], [FARTHEST]]
     near = {other for other, box in boxes.items() if (box[0] < high).all() and (box[1] > low).all()}
-    return near.intersection(situation.movable).difference((name,), transfer.riding, held)
+    reasoned = [edge for edge in order.graph.dependencies if edge.reason is not Reason.MEASURED]
+    graph = DependencyGraph(order.graph.names, tuple(reasoned))
+    return {other for other in near.intersection(graph.names) - {name} if name not in graph.before(other)}
 
 
 def shadow(image: DepthImage, parts: Sequence[FloatArray]) -> BoolArray:

@@ -40,18 +40,17 @@ class Memory:
         Args:
             chosen: The step.
             success: Whether it was done.
-            stuck: Whether the hand does not let go, or the object was put back: the grasp did not fail.
+            stuck: Whether the hand does not let go: no other grasp is to be tried then.
         """
         name = chosen.transfer.object
-        whose = name if success or chosen.grip is None else chosen.grip.object
-        tried, attempts = self.tried | {name}, self.attempts + Counter((whose,))
+        tried, attempts = self.tried | {name}, self.attempts + Counter((name,))
         if success:
             if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
                 attempts = Counter[str]()  # what could not be taken may be now that this is out of its way
             done = (*self.done, (name, str(chosen.action)))
             return replace(self, done=done, attempts=attempts, tried=tried, placed=self._placed(chosen))
         if stuck:
-            return replace(self, tried=tried)
+            return replace(self, attempts=attempts, tried=tried)
         failed = dict(self.failed)
         for one in (chosen.transfer, chosen.grip):  # nobody knows which of two hands it was
             if one is not None:
@@ -74,7 +73,7 @@ class Memory:
         success: bool,
         surprises: Collection[str] = (),
         changed: Collection[str] = (),
-        moved: Mapping[str, float] | None = None,
+        moved: Collection[str] = (),
     ) -> "Memory":
         """What is remembered once a look followed a step.
 
@@ -83,13 +82,13 @@ class Memory:
             success: Whether it was done.
             surprises: Objects that were not seen where they should be.
             changed: Those of them that were seen elsewhere.
-            moved: What moved as the object was lifted, which was put back then, with how far [m].
+            moved: What moved as the object was lifted, which was put back then.
         """
         handled = {chosen.transfer.object, *chosen.transfer.riding}
         alone = handled if success and chosen.action is not Action.PLACE else ()
         beliefs = self.beliefs.after(chosen.order.chances, handled | set(surprises), alone)
         changed = {*changed, *(handled if success else ())}
-        return replace(self, beliefs=beliefs.taught(changed, moved or {}, chosen.transfer.object))
+        return replace(self, beliefs=beliefs.taught(changed, moved, chosen.transfer.object))
 
     def context(
         self, station: Station, orderer: Orderer, grasps: Mapping[str, Sequence[Grasp]], seed: int, most: int

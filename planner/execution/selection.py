@@ -12,7 +12,7 @@ from topple.planner.execution.execute import Outcome
 from topple.planner.execution.look import Look
 from topple.planner.execution.memory import Memory
 from topple.planner.execution.prepare import Preparer, Question
-from topple.planner.execution.tolerances import AT_HOME, CLEAR, HINT, STUCK
+from topple.planner.execution.tolerances import AT_HOME, STUCK
 from topple.planner.execution.two_arms import TwoArms
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.motion.collision import Checker
@@ -101,26 +101,24 @@ class StepSelector:
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
 
-        What a watched lift moved goes first, or is held. Where neither can be, one arm tries what reasoning
-        alone is against, and what moved something by little again, watched for twice as much.
+        What a watched lift moved goes first or is held where that can be; where it cannot, that lift is tried
+        again, by one arm.
 
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
-        context, beliefs = self._context(self._memory), self._memory.beliefs
-        clear = {pair: off for pair, off in beliefs.measured.items() if off > CLEAR}
         try:
-            return self.task.chooser(look.situation, goal, context).choose()
+            return self._chooser(look, goal).choose()
         except NoSafePlan:
-            if context.second is None and len(clear) == len(beliefs.measured):
+            if not self._memory.beliefs.measured and self._arms.second is None:
                 raise
-        context = replace(context, second=None, beliefs=replace(beliefs, measured=clear))
+        context = replace(self._context(self._memory), second=None)
+        context = replace(context, beliefs=replace(self._memory.beliefs, measured=frozenset()))
         return self.task.chooser(look.situation, goal, context).choose()
 
-    def hint(self, name: str) -> float:
-        """How far [m] something may move as an object is lifted: twice as far as it was seen to before."""
-        seen = self._memory.beliefs.measured.items()
-        return max([HINT, *(2.0 * off for (_, then), off in seen if then == name)])
+    def moved_with(self, name: str) -> set[str]:
+        """What a lift of an object was seen to move, both being as they were."""
+        return {first for first, then in self._memory.beliefs.measured if then == name}
 
     def next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
         """The step that was decided with a hold or prepared, where that can be done; else one chosen now.

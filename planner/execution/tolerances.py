@@ -251,11 +251,8 @@ SLOW = DISTURBED / JOINING
 SLOW_WAY = FARTHEST
 """[m] of a lift that is watched: what leans on a thing or hooks it has moved by then."""
 
-HINT = DISTURBED / 5.0
+HINT = DISTURBED / 2.0
 """[m] by which a thing that is watched may be off: a hint of a move, in time to end it."""
-
-CLEAR = DISTURBED / 2.0
-"""[m] from which what a lift moved is not left beside it again."""
 
 TILE = FAR_BORDER
 """Pixels a side of what is compared: 27 mm at 0.8 m, of which 81 pixels know 0.2 mm."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from topple.planner.building.apart import turned_round
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.dependency import Reason
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_go, why_first
 from topple.planner.errors import NoSafePlan
@@ -149,16 +148,8 @@ class StepChooser:
         return None
 
     def _alone(self, chosen: Order) -> list[str]:
-        """What may go now: nothing from where a second hand has to hold something on.
-
-        One arm that looks tries a lift that only reasoning says moves something: it is watched.
-        """
-        holds = [hold for hold in chosen.holds if not hold.fixture]
-        if self.context.observed and self.context.second is None:
-            edges = chosen.graph.dependencies
-            moved = {edge.first for edge in edges if edge.reason is Reason.MEASURED}
-            holds = [hold for hold in holds if hold.object in moved]
-        begins = {hold.since for hold in holds}
+        """What may go now; with a second arm nothing from where that has to hold something on."""
+        begins = {hold.since for hold in chosen.holds} if self.context.second is not None else set[str]()
         return list(takewhile(lambda name: name not in begins, may_go(chosen)))
 
     def _make_room(self, failures: Sequence[TransferFailure]) -> NextStep | None:

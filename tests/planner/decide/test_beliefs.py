@@ -25,8 +25,7 @@ def test_of_what_was_put_down_alone_nothing_is_overlooked_but_what_is_found_coun
 
 
 def test_what_a_watched_lift_moved_is_known_until_one_of_the_two_is_elsewhere() -> None:
-    beliefs = Beliefs().taught((), {"b": 0.002}, "a")
-    assert beliefs.measured == {("b", "a"): 0.002}
-    both = beliefs.after(FOUND, {"a"}, ()).taught(["c"], {"a": 0.004}, "b").measured
-    assert both == {("b", "a"): 0.002, ("a", "b"): 0.004}
-    assert beliefs.taught(["b"], {}, "c").measured == {}
+    beliefs = Beliefs().taught((), ["b"], "a")
+    assert beliefs.measured == {("b", "a")}
+    assert beliefs.after(FOUND, {"a"}, ()).taught(["c"], ["a"], "b").measured == {("b", "a"), ("a", "b")}
+    assert beliefs.taught(["b"], (), "c").measured == set()

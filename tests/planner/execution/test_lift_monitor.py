@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from handled import Handled
 
 from topple.planner.execution.execute import Outcome, execute
 from topple.planner.execution.lift_monitor import ChangeDetector, LiftMonitor, neighbours_to_watch, shadow
 from topple.planner.execution.look import Observer
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.planning.order import order
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import robot as robot_named
 from topple.robots import shapes
@@ -66,13 +66,12 @@ def test_a_lift_that_moves_nothing_is_not_stopped(bridged: World) -> None:
     assert moved["aside"] > 0.05 and max(moved["near"], moved["plank"]) < 0.001
 
 
-def test_what_is_near_and_no_hand_holds_is_watched(bridged: World) -> None:
+def test_what_is_near_and_could_go_first_is_worth_watching(bridged: World) -> None:
     look = Observer(bridged, [EYE], np.random.default_rng(0), ("table",)).look()
-    assert neighbours_to_watch(look.situation, Handled("near"), None) == {"plank"}
-    assert neighbours_to_watch(look.situation, Handled("plank"), None) == {"near", "far"}
-    assert neighbours_to_watch(look.situation, Handled("plank"), Handled("far")) == {"near"}
-    assert neighbours_to_watch(look.situation, Handled("aside"), None) == set()
-    assert neighbours_to_watch(look.situation, Handled("plank"), Handled("plank")) == set(), "it was held"
+    found = order(look.situation, ["near", "far"])
+    assert neighbours_to_watch(look.situation, found, "near") == {"plank"}
+    assert neighbours_to_watch(look.situation, found, "plank") == set(), "what carries it cannot go first"
+    assert neighbours_to_watch(look.situation, found, "aside") == set()
 
 
 def test_what_moves_is_seen_in_a_picture_and_noise_is_not(bridged: World) -> None:

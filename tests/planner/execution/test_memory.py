@@ -55,10 +55,10 @@ def test_what_was_put_down_may_be_tried_twice_as_often_as_what_failed(success: b
 
 def test_what_moved_as_a_thing_was_lifted_is_remembered_until_one_of_the_two_is_taken() -> None:
     stopped = Memory().after_action(step(Action.REMOVE), False, True)
-    memory = stopped.after_look(step(Action.REMOVE), False, moved={"can": 0.002})
-    assert context(memory).beliefs == Beliefs(measured={("can", "mug"): 0.002})
+    memory = stopped.after_look(step(Action.REMOVE), False, moved=["can"])
+    assert context(memory).beliefs == Beliefs(measured=frozenset([("can", "mug")]))
     assert not context(memory).avoid, "the grasp held"
     slipped = memory.after_look(step(Action.REMOVE, "can"), False)
-    assert slipped.beliefs.measured == {("can", "mug"): 0.002}
+    assert slipped.beliefs.measured == {("can", "mug")}
     assert not slipped.after_look(step(Action.REMOVE, "can"), False, ["can"], ["can"]).beliefs.measured
     assert not slipped.after_look(step(Action.REMOVE, "can"), True).beliefs.measured
