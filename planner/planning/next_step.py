@@ -13,7 +13,7 @@ import numpy as np
 from topple.planner.building.apart import turned_round
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
-from topple.planner.decide.turn import may_go, why_first
+from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
 from topple.planner.fallbacks import Fallback
@@ -133,9 +133,12 @@ class StepChooser:
                 failures.append(found)
         if unseen is not None:
             return unseen
-        if self.context.second is None or not chosen.holds or longer:
+        if self.context.second is None or longer:
             return None
-        hold = min(chosen.holds, key=lambda each: chosen.order.index(each.since))
+        holds = [hold for hold in chosen.holds if may_begin(hold, chosen)]
+        if not holds:
+            return None
+        hold = min(holds, key=lambda each: chosen.order.index(each.since))
         for order in filter(None, (chosen, turned_round(chosen, hold, self.situation))):
             held = HoldPlanner(
                 hold if order is chosen else order.holds[0],
