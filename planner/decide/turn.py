@@ -58,7 +58,7 @@ def may_begin(hold: Hold, chosen: Order) -> bool:
 
 
 def _waits(chosen: Order) -> list[tuple[str, str]]:
-    """(first, then) of an order; within a cycle's group it says what starts: only what comes earlier counts."""
+    """(first, then) of an order; within a cycle it says what starts, so only what comes earlier counts."""
     rank = {name: place for place, name in enumerate(chosen.order)}
     edges = chosen.graph.dependencies
     return [(e.first, e.then) for e in edges if rank.get(e.first, len(rank)) < rank.get(e.then, -1)]
