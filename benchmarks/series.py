@@ -81,7 +81,6 @@ FULL = (
 )
 BESIDE = (
     Series("pile", 100, rule=IDEAL),
-    Series("pile", 40, hands=2),
     *(Series("pile", 60, rule=rule) for rule in RULES),
     Series("pile", 60, mask_noise=1.5),
     Series("pile", 60, shuffle_labels=True),
