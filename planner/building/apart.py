@@ -8,7 +8,7 @@ import networkx as nx
 
 from topple.planner.building.prefixes import Falling, Names, Prefixes, fewest_holds, in_units
 from topple.planner.building.standing import falling_in, meeting_in
-from topple.planner.decide.arrange import Apart, Order, TakeApart
+from topple.planner.decide.arrange import Apart, TakeApart
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.disturbance import fallen_without
 from topple.planner.decide.hold import Hold, hands_for
@@ -108,29 +108,6 @@ def held(
         why = f"it does not stand safely without {without}"
         return Hold(name, since, until, why, situation.chain(name, without))
     return Hold(name, since, until, edge.sentence(), edge.evidence)
-
-
-def turned_round(order: Order, hold: Hold, situation: Situation) -> Order | None:
-    """The order with the other one of a pair held, where everything stays at rest so.
-
-    Args:
-        order: The order.
-        hold: A hold of it.
-        situation: What is seen.
-
-    Returns:
-        The order; None where it is no pair, or something would move.
-    """
-    name, since = hold.object, hold.since
-    back = order.graph.between(since, name)
-    if back is None or hold.until != name or hold.meanwhile(order.order) != (since,):
-        return None
-    if any(each.swept for each in back.evidence) or fallen_without(situation.sized.statics, [name], [since]):
-        return None
-    turned = {name: since, since: name}
-    other = Hold(since, name, since, back.sentence(), back.evidence)
-    holds = (other, *(each for each in order.holds if each is not hold))
-    return replace(order, order=tuple(turned.get(each, each) for each in order.order), holds=holds)
 
 
 def _falling(

@@ -53,9 +53,9 @@ def may_go(chosen: Order) -> list[str]:
 
 
 def may_begin(hold: Hold, chosen: Order) -> bool:
-    """Whether nothing of a hold waits for something else in its order."""
-    together = {hold.object, *hold.meanwhile(chosen.order)}
-    return all(first in together for first, then in _waits(chosen) if then in together)
+    """Whether nothing that is taken in a hold waits for something else in its order."""
+    taken = {*hold.meanwhile(chosen.order), hold.until}
+    return all(first in taken for first, then in _waits(chosen) if then in taken)
 
 
 def steadied(chosen: Order) -> Order:

@@ -10,7 +10,6 @@ from itertools import takewhile
 
 import numpy as np
 
-from topple.planner.building.apart import turned_round
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_begin, may_go, steadied, why_first
@@ -139,15 +138,13 @@ class StepChooser:
         if not holds:
             return None
         hold = min(holds, key=lambda each: chosen.order.index(each.since))
-        for order in filter(None, (chosen, turned_round(chosen, hold, self.situation))):
-            held = HoldPlanner(
-                hold if order is chosen else order.holds[0],
-                order, self.situation, self.context, self._remaining,
-                lambda name: action if name in targets else Action.REMOVE,
-            ).steps()  # fmt: skip
-            if isinstance(held, NextStep):
-                return replace(held, fallbacks=(Fallback.ANOTHER_FIRST,)) if failures else held
-            failures.append(held)
+        held = HoldPlanner(
+            hold, chosen, self.situation, self.context, self._remaining,
+            lambda name: action if name in targets else Action.REMOVE,
+        ).steps()  # fmt: skip
+        if isinstance(held, NextStep):
+            return replace(held, fallbacks=(Fallback.ANOTHER_FIRST,)) if failures else held
+        failures.append(held)
         return None
 
     def _alone(self, chosen: Order) -> list[str]:

@@ -8,12 +8,10 @@ import pytest
 from on_table import balance, cards, on_table
 
 from topple.planner import NoSafePlan, order, plan
-from topple.planner.building.apart import turned_round
 from topple.planner.cli.main import main
 from topple.robots import scenario, scene_from_world
 from topple.robots.shapes import box
 from topple.topology import InvalidInput
-from topple.topology.situation.situation import Situation
 
 
 def test_of_two_cards_one_is_held_while_the_other_is_taken() -> None:
@@ -25,16 +23,6 @@ def test_of_two_cards_one_is_held_while_the_other_is_taken() -> None:
     assert found.proven
     assert hold.evidence
     assert f"hold {second} while {first} is taken: {second} leans on {first}" in found.explanation[0]
-
-
-def test_either_of_two_cards_can_be_held_and_of_a_plank_and_its_weight_the_plank_alone() -> None:
-    found = order(cards())
-    turned = turned_round(found, found.holds[0], Situation(cards()))
-    assert turned is not None and turned.order == found.order[::-1]
-    (hold,) = turned.holds
-    assert (hold.object, hold.since, hold.until) == (*found.order, found.order[0])
-    loaded = order(balance(), "plank")
-    assert turned_round(loaded, loaded.holds[0], Situation(balance())) is None, "its lift meets the weight"
 
 
 def test_a_plank_is_held_while_its_counterweight_is_taken() -> None:
