@@ -39,7 +39,7 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-LATER = frozenset({"robot", "engine", "ahead", "waited", "hands", "turned", "friction"})
+LATER = frozenset({"robot", "engine", "ahead", "waited", "alone", "turned", "friction"})
 """Keys that journals of before do not have: all their episodes are of the scene's own arms on PyBullet, which
 wait for each step to be chosen."""
 
@@ -78,7 +78,7 @@ class Episode:
         robot: The arm; empty for the one that the scene is made for.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`; scenes settle on PyBullet.
         ahead: Whether the next step is chosen while the arm acts.
-        hands: How many arms there are; 0 for as many as the scene is made for.
+        alone: Whether there is one arm, also where the scene is made for two.
         turned: Degrees from 0 by which everything is turned about the vertical, once it has settled.
         friction: What the coefficient of friction of each thing that moves is multiplied by then.
     """
@@ -95,7 +95,7 @@ class Episode:
     robot: str = ""
     engine: str = BULLET
     ahead: bool = False
-    hands: int = 0
+    alone: bool = False
     turned: float = 0.0
     friction: float = 1.0
 
@@ -249,7 +249,7 @@ def _played(episode: Episode, begun: float) -> Ending:
         loop = loop_in(
             stage, robot=episode.robot or None, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
             mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
-            wrist_camera=episode.wrist_camera, ahead=episode.ahead, hands=episode.hands or None,
+            wrist_camera=episode.wrist_camera, ahead=episode.ahead, alone=episode.alone,
         )  # fmt: skip
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)

@@ -25,7 +25,7 @@ class Series:
         wrist_camera: Whether the arm carries one more camera for a second look.
         meshes: Folder of models that other piles are made of.
         ahead: Whether the next step is chosen while the arm acts.
-        hands: How many arms there are; 0 for as many as the scene is made for.
+        alone: Whether there is one arm, also where the scene is made for two.
     """
 
     scenario: str
@@ -40,7 +40,7 @@ class Series:
     wrist_camera: bool = False
     meshes: Path | None = None
     ahead: bool = False
-    hands: int = 0
+    alone: bool = False
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
@@ -50,7 +50,7 @@ class Series:
             Episode(
                 self.scenario, seed + number, self.cameras, self.rule,
                 mask_noise=self.mask_noise, shuffle_labels=self.shuffle_labels,
-                wrist_camera=self.wrist_camera, ahead=self.ahead, hands=self.hands,
+                wrist_camera=self.wrist_camera, ahead=self.ahead, alone=self.alone,
                 meshes="" if self.meshes is None else str(self.meshes),
             )
             for number in range(self.seeds)
@@ -65,7 +65,7 @@ class Series:
         kinds = " of models too" if self.meshes is not None else ""
         rule = "" if self.rule == TOPPLE else f", {self.rule}"
         ahead = ", chosen ahead" if self.ahead else ""
-        arms = ("", ", one arm", ", two arms")[self.hands]
+        arms = ", one arm" if self.alone else ""
         return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}{ahead}{arms}"
 
 
@@ -86,7 +86,7 @@ BESIDE = (
     Series("pile", 60, shuffle_labels=True),
     Series(OTHER_PILE, 60, cameras=1),
     Series("hold", 20),
-    Series("hold", 20, hands=1),
+    Series("hold", 20, alone=True),
 )
 """What the figures of `FULL` are held against: played once those are."""
 QUICK = (Series("dishes", 1), Series("tower", 1), Series("pile", 1), Series("pile", 1, rule=RULES[1]))

@@ -145,16 +145,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "Q",
         "help": "joint values of the robot in its own picture [rad, m]: what is seen at it is nobody's",
     },
-    "--hands": {
-        "type": int,
-        "choices": (1, 2),
-        "help": "how many such arms there are: a second one holds what would not stand meanwhile (1)",
-    },
     "--second-base": {
         "nargs": 4,
         "type": float,
         "metavar": ("X", "Y", "Z", "YAW"),
-        "help": "where the second arm stands (searched for)",
+        "help": "where a second such arm stands, which holds what would not stand meanwhile (one arm)",
     },
     "--away": {
         "nargs": "+",
@@ -210,8 +205,7 @@ GROUPS = {
     ),
     "question": ("--target", "--goal", "--to", "--match", "--away", "--bin", "--rule", "--orderer"),
     "robot": (
-        *("--robot", "--gripper", "--srdf", "--group", "--base", "--joints"),
-        *("--hands", "--second-base", "--clamped"),
+        *("--robot", "--gripper", "--srdf", "--group", "--base", "--joints", "--second-base", "--clamped"),
     ),
     "simulation": ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video"),
     "advanced": ("--max-mb", "--allow-outside", "--max-objects", "--budget", "--seed", "--jobs", "--cluster"),

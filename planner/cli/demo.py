@@ -23,7 +23,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
     parser.add_argument("--list", action="store_true", help="say which scenes there are, and leave")
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
-    add(parser, "--hands", help="how many arms there are (as the scene is made for)")
     add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
     made_for = (
@@ -48,10 +47,9 @@ def execute(args: argparse.Namespace) -> int:
 
         video = film_of(args)
         record = demo(
-            args.name, seed=args.seed, robot=args.robot, hands=args.hands, cameras=args.cameras,
-            mask_noise=args.mask_noise, wrist_camera=args.wrist_camera, ahead=args.ahead,
-            clamped=args.clamped, engine=args.engine, folder=folder, video=video, orderer=orderer,
-            relate=relating, progress=progress,
+            args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
+            wrist_camera=args.wrist_camera, ahead=args.ahead, clamped=args.clamped, engine=args.engine,
+            folder=folder, video=video, orderer=orderer, relate=relating, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:
@@ -81,7 +79,7 @@ def _as_counted(args: argparse.Namespace) -> bool:
     plain = not (
         args.mask_noise or args.wrist_camera or args.ahead or args.rule or args.orderer or args.clamped
     )
-    same = args.robot is args.hands is None and args.engine == BULLET
+    same = args.robot is None and args.engine == BULLET
     return same and args.cameras == CAMERAS and plain
 
 

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser)
     add_task(parser)
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
-    add(parser, "--hands", "--second-base", "--away", "--bin", "--clamped", "--rule", "--masks-as-they-are")
+    add(parser, "--second-base", "--away", "--bin", "--clamped", "--rule", "--masks-as-they-are")
     add(parser, *SIMULATION, *COMMON)
     parser.add_argument(
         "--shuffle-labels",
@@ -47,7 +47,7 @@ def execute(args: argparse.Namespace) -> int:
 
         progress(f"{path}: rebuilding the scene")
         record = run(
-            scene, goal, arm_of(args), base=base_of(args, scene), hands=args.hands or 1,
+            scene, goal, arm_of(args), base=base_of(args, scene),
             second_base=base_of(args, scene, "--second-base"), clamped=args.clamped,
             away=away, cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,

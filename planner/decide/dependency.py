@@ -253,18 +253,17 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
 
 
 def with_measured(
-    graph: DependencyGraph, measured: Collection[Pair], situation: Situation, held: bool = False
+    graph: DependencyGraph, measured: Collection[Pair], situation: Situation
 ) -> DependencyGraph:
-    """What had better go first where some lifts were tried: a circle is made of it only for a second hand.
+    """What had better go first where some lifts were tried: a circle is never made of it.
 
     Args:
         graph: The dependencies that were reasoned.
         measured: (first, then) where lifting `then` moved `first`.
         situation: What is seen.
-        held: Whether there is a hand to hold what goes in a circle.
     """
     for first, then in sorted(measured):
-        if {first, then} <= set(graph.names) and (held or then not in graph.before(first)):
+        if {first, then} <= set(graph.names) and then not in graph.before(first):
             shown = situation.chain(first, then) or (situation.swept(then, first),)
             edge = Dependency(first, then, Reason.MEASURED, 1.0, shown)
             graph = DependencyGraph.of(graph.names, (*graph.dependencies, edge))

@@ -1,9 +1,8 @@
 """Which object's turn it is, and why."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.dependency import Reason
 from topple.planner.decide.hold import Hold
 
 
@@ -56,23 +55,6 @@ def may_begin(hold: Hold, chosen: Order) -> bool:
     """Whether nothing that is taken in a hold waits for something else in its order."""
     taken = {*hold.meanwhile(chosen.order), hold.until}
     return all(first in taken for first, then in _waits(chosen) if then in taken)
-
-
-def steadied(chosen: Order) -> Order:
-    """An order in which what something leans on is held while that goes: which holds which is seldom seen.
-
-    The hand that holds takes it away then, where it is next: it may not stand alone.
-    """
-    busy = {name for hold in chosen.holds for name in (hold.object, *hold.meanwhile(chosen.order))}
-    for edge in chosen.graph.dependencies:
-        first, then = edge.first, edge.then
-        if edge.reason is Reason.LEANING and {first, then} <= {*chosen.order} - busy:
-            hold = Hold(then, first, then, edge.sentence(), edge.evidence)
-            if not may_begin(hold, chosen) or hold.meanwhile(chosen.order) != (first,):
-                hold = replace(hold, until=first)
-            busy |= {first, then}
-            chosen = replace(chosen, holds=(*chosen.holds, hold))
-    return chosen
 
 
 def _waits(chosen: Order) -> list[tuple[str, str]]:

@@ -15,7 +15,6 @@ from topple.planner.execution.loop import ClosedLoop
 from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.holding import check_hands
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import plan_to_json
@@ -47,7 +46,6 @@ def demo(
     *,
     seed: int | None = None,
     robot: str | None = None,
-    hands: int | None = None,
     cameras: int = CAMERAS,
     mask_noise: float = 0.0,
     wrist_camera: bool = False,
@@ -67,7 +65,6 @@ def demo(
         seed: Of the scene, the sensor noise and every search; where None, one that is known to succeed, see
             `topple.planner.execution.demo_seeds`.
         robot: The arm; the one the scene is made for where None.
-        hands: How many such arms there are, 1 or 2; as many as the scene is made for where None.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
@@ -96,13 +93,15 @@ def demo(
     for file in FILES:
         check_writable(place / file)
     with scenario(name, seed, engine) as stage:
-        fixture, robot = frozenset(clamped), robot or stage.robot
+        fixture = frozenset(clamped)
+        two = stage.pose_second_to_world is not None and not fixture
+        robot = robot or stage.robot
         loop = loop_in(
-            stage, robot=robot, hands=hands, cameras=cameras, mask_noise=mask_noise,
-            wrist_camera=wrist_camera, ahead=ahead, clamped=fixture, photos=True, orderer=orderer,
-            relate=relate, seed=seed, progress=progress,
+            stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
+            ahead=ahead, clamped=fixture, photos=True, orderer=orderer, relate=relate, seed=seed,
+            progress=progress,
         )  # fmt: skip
-        acting, first, two = loop.robot, loop.look(), loop.second is not None
+        acting, first = loop.robot, loop.look()
         assert isinstance(acting, ActingArm)
         # the plan of the whole sequence is made on the other core while the arm already works
         with get_context("spawn").Pool(1, serve) as other:  # leaving it ends what still plans
@@ -124,8 +123,9 @@ def demo(
                 record, whole = replace(record, stopped=INTERRUPTED), None
         if whole is None and not two:
             arm, goal = robot_named(robot), loop.task.goal(first.scene)
-            station = Station(arm, base, arm.home)
-            whole = plan_as_done(first.scene, goal, station, loop.followed, seed, fixture)
+            whole = plan_as_done(
+                first.scene, goal, Station(arm, base, arm.home), loop.followed, seed, fixture
+            )
         decided = _decided_by(record, first, stage, orderer, seed)
     texts = (
         _text(first.relations.to_json()),
@@ -153,7 +153,6 @@ def loop_in(
     stage: Scenario,
     *,
     robot: str | None = None,
-    hands: int | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
@@ -163,6 +162,7 @@ def loop_in(
     photos: bool = False,
     orderer: Orderer = cautious,
     relate: Relate | None = None,
+    alone: bool = False,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> ClosedLoop:
@@ -171,7 +171,6 @@ def loop_in(
     Args:
         stage: The scene.
         robot: The arm; the one the scene is made for where None.
-        hands: How many such arms there are, 1 or 2; as many as the scene is made for where None.
         cameras: How many depth cameras look on.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
@@ -181,6 +180,7 @@ def loop_in(
         photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
         relate: What relates what is seen, a function of the scene; topple's own rule where None.
+        alone: Whether there is one arm, also where the scene is made for two.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -188,11 +188,11 @@ def loop_in(
         The loop, to be run.
 
     Raises:
-        InvalidInput: There are two arms, and such a one cannot hold, or has a camera at its wrist, or plays
-            on an engine that simulates one; or there are neither one nor two.
+        InvalidInput: The scene takes two arms, and such a one cannot hold, or has a camera at its wrist.
     """
     eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
-    arm, two = robot_named(robot or stage.robot), check_hands(hands or stage.hands) and not clamped
+    arm, one = robot_named(robot or stage.robot), alone or bool(clamped)
+    there = None if one else stage.pose_second_to_world
     first = arm_in(stage.world, arm, stage.pose_base_to_world)
     return ClosedLoop.simulated(
         stage.world,
@@ -210,7 +210,7 @@ def loop_in(
         ahead=ahead,
         photos=photos,
         wanted=None if stage.finished is None else stage.finished.poses(),
-        second=arm_in(stage.world, arm, stage.pose_second_to_world, first) if two else None,
+        second=None if there is None else arm_in(stage.world, arm, there, first),
         fixture=fixture_in(stage.world, clamped),
     )
 

@@ -369,7 +369,7 @@ class ClosedLoop:
         if grip is not None and grip.object == name:
             named = set()  # put back, what was held would not stand
         monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
-        outcome = self._arms.carry_out(chosen, look.situation, self.judge.moment, monitor)
+        outcome = self._arms.carry_out(chosen, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
         how = chosen.transfer.placement.how
         if outcome.success and how in (*IN_HAND, Away.BIN):

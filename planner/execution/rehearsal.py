@@ -7,7 +7,6 @@ import numpy as np
 
 from topple.planner.execution.tolerances import EDGE, RELAX, RELAX_STEPS, SAGGED
 from topple.planner.placement.base import choose_base
-from topple.planner.planning.holding import check_hands
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
 from topple.robots.arm.arm import Arm
@@ -60,25 +59,6 @@ class Rehearsal:
 
     def __exit__(self, *_: object) -> None:
         self.world.close()
-
-    def second_base(self, scene: Scene, arm: Arm, hands: int, base: FloatArray | None) -> FloatArray | None:
-        """(4, 4) where a second such arm stands; None where there is none.
-
-        Args:
-            scene: The scene that was rebuilt.
-            arm: The arm.
-            hands: How many there are, 1 or 2.
-            base: (4, 4) pose_base_to_scene of the second; searched for, as the first one's is, where None.
-
-        Raises:
-            NoBase: There is no such place.
-        """
-        to_world = self.pose_scene_to_world
-        if base is not None:
-            return to_world @ as_pose(base, "second_base")
-        if not check_hands(hands):
-            return None
-        return choose_base(in_frame(scene, to_world, Z), arm, beside=self.pose_base_to_world)
 
     def notes(self) -> tuple[str, ...]:
         """What a reader of the run should know: where the base stands and what sagged, in sentences."""

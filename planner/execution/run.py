@@ -23,6 +23,7 @@ from topple.robots.world.film import filmed
 from topple.robots.world.lerobot import demonstrated
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
+from topple.topology.base.checks import as_pose
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.situation.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -35,7 +36,6 @@ def run(
     robot: Arm | str = "panda",
     *,
     base: FloatArray | None = None,
-    hands: int = 1,
     second_base: FloatArray | None = None,
     clamped: Collection[str] | str = (),
     away: str | Sequence[str | float] | Destination = Away.TABLE,
@@ -61,8 +61,7 @@ def run(
         goal: In words, names of objects to free, or any other task, in the frame of the scene.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
-        hands: How many such arms there are, 1 or 2: the second one holds what would not stand.
-        second_base: (4, 4) pose_base_to_scene of the second one; searched for where None.
+        second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand holds them.
         away: Where things go that are taken, as for `topple.planner.plan`.
         cameras: How many depth cameras look on, 1 to 3.
@@ -103,7 +102,7 @@ def run(
     with playing_on(engine), Rehearsal.of(scene, arm, base, fixture) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         to_world = stage.pose_scene_to_world
-        there = stage.second_base(scene, arm, hands, second_base)
+        there = None if second_base is None else to_world @ as_pose(second_base, "second_base")
         receiver = Destination.of(away).at(Situation(scene), inverse(to_world) @ stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
             stage.world,
@@ -126,10 +125,12 @@ def run(
             fixture=stage.fixture,
             away=receiver and receiver.moved(to_world),
         )
-        with filmed(video, acting, eye := stage.cameras[0]), demonstrated(lerobot, acting, eye) as shown:
+        eye = stage.cameras[0]
+        with filmed(video, acting, eye), demonstrated(lerobot, acting, eye) as demonstration:
             record = loop.run()
-            if shown is not None:
-                shown.end(record.goal, record.success)
+            if demonstration is not None:
+                demonstration.end(record.goal, record.success)
         kept = (*fixture_assumptions(fixture), *([] if receiver is None else [receiver.assumption()]))
         said = (*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
-        return replace(record, notes=said)
+        record = replace(record, notes=said)
+    return record

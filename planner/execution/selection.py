@@ -96,13 +96,12 @@ class StepSelector:
             where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
             words = f"the arm starts in collision: {where}"
             raise NoSafePlan(words, (words,))
-        return self.choose(look, goal)
+        return chooser.choose()
 
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
 
-        What a watched lift moved goes first or is held where that can be; where it cannot, that lift is tried
-        again, by one arm.
+        What a watched lift moved goes first where that can be; where it cannot, that lift is tried again.
 
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
@@ -110,9 +109,9 @@ class StepSelector:
         try:
             return self._chooser(look, goal).choose()
         except NoSafePlan:
-            if not self._memory.beliefs.measured and self._arms.second is None:
+            if not self._memory.beliefs.measured:
                 raise
-        context = replace(self._context(self._memory), second=None)
+        context = self._context(self._memory)
         context = replace(context, beliefs=replace(self._memory.beliefs, measured=frozenset()))
         return self.task.chooser(look.situation, goal, context).choose()
 

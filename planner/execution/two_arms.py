@@ -7,15 +7,12 @@ import numpy as np
 from topple.planner.execution.execute import TAKEN, Outcome, Watch, execute, go_home, retreat
 from topple.planner.execution.lift_monitor import LiftMonitor
 from topple.planner.execution.tolerances import AT_HOME
-from topple.planner.motion.other_arm import arm_bodies
 from topple.planner.motion.tolerances import GIVES_WAY
 from topple.planner.planning.holding import FIRST, SECOND, standing_by
 from topple.planner.planning.step import NextStep, Station
-from topple.planner.transfer.recertify import recertified
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.driver import Driver, Fixture
 from topple.topology.bodies.solids import Solids
-from topple.topology.situation.situation import Situation
 
 
 class TwoArms:
@@ -60,20 +57,17 @@ class TwoArms:
         prefix, other = (FIRST, self.first) if robot is self.second else (SECOND, self.second)
         return standing_by(prefix, _station(other))
 
-    def carry_out(
-        self, chosen: NextStep, situation: Situation, watch: Watch, monitor: LiftMonitor | None = None
-    ) -> Outcome:
+    def carry_out(self, chosen: NextStep, watch: Watch, monitor: LiftMonitor | None = None) -> Outcome:
         """Do a step, once the other hand holds what it has to.
 
         Args:
-            chosen: The step; its motions are proven again where the hand that holds gave way.
-            situation: What is seen.
+            chosen: The step.
             watch: What looks on at the hand that takes.
             monitor: What its lift is watched with.
         """
         acting = self.acting(chosen)
         other = self._beside(acting)
-        outcome = self._execute(chosen, situation, acting, other, watch, monitor)
+        outcome = self._execute(chosen, acting, other, watch, monitor)
         if other is None or outcome.motion is None:
             return outcome
         still = other.pose_base_to_world @ other.arm.forward(other.q_target, other.tool_state)[0]
@@ -82,7 +76,6 @@ class TwoArms:
     def _execute(
         self,
         chosen: NextStep,
-        situation: Situation,
         acting: Driver,
         other: Driver | None,
         watch: Watch,
@@ -93,22 +86,14 @@ class TwoArms:
             if not closed.success:
                 return replace(closed, text=f"the other arm: {closed.text}", motion=None)
             self.grip = chosen.grip
-        transfer, off = chosen.transfer, 0.0
-        if other is not None and self.grip is not None and not self._holds(chosen):
-            off = _gave_way(other, self.grip)
-        if other is not None and off > GIVES_WAY:
-            base, hands = other.pose_base_to_world, (other.tool_state,)
-            there = arm_bodies("the other arm's", other.arm, base, other.q_target, hands)
-            proven = recertified(transfer, situation, acting.arm, acting.pose_base_to_world, there)
-            if proven is None:
+            if (off := _gave_way(other, chosen.grip)) > GIVES_WAY:
                 said = f"the other arm gave way by {1e3 * off:.0f} mm as its hand closed."
-                return Outcome(False, said, np.zeros((0, 3)))
-            transfer = proven
+                return replace(closed, success=False, text=said, motion=None)
         if self._holds(chosen) and other is not None:
             if np.abs(other.q_target - np.asarray(other.arm.home)).max() > AT_HOME:
                 said = "the other arm found no way home, and this one holds on."
                 return Outcome(False, said, np.zeros((0, 3)), stuck=True)
-        return execute(transfer, acting, self._releasing(chosen, watch), monitor)
+        return execute(chosen.transfer, acting, self._releasing(chosen, watch), monitor)
 
     def finish(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
         """Bring home the arm that acted, and go on with a hold, or end it: as decided, or since it failed.

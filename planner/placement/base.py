@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.other_arm import arm_bodies
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.placement import reachable
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
-from topple.planner.placement.tolerances import DIRECTIONS, DISTANCES, ELBOWS, FOOT, HOVER, SEEDS, STEP
+from topple.planner.placement.tolerances import DIRECTIONS, DISTANCES, FOOT, HOVER, SEEDS, STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.home import scale_of
 from topple.topology.base.arrays import FloatArray
@@ -27,9 +26,7 @@ class NoBase(ToppleError):
     """No place for the arm from which it reaches anything."""
 
 
-def choose_base(
-    scene: Scene | Situation, arm: Arm, targets: "tuple[str, ...]" = (), beside: FloatArray | None = None
-) -> FloatArray:
+def choose_base(scene: Scene | Situation, arm: Arm, targets: "tuple[str, ...]" = ()) -> FloatArray:
     """Search for a place of the arm's base.
 
     Places on circles around what is to be handled, on the level of the top under it, are compared by how many
@@ -40,7 +37,6 @@ def choose_base(
         scene: The scene, with `up`, or the situation it was read as.
         arm: The arm.
         targets: What it has to handle; everything that can move where empty.
-        beside: (4, 4) pose_base_to_world of another such arm, for the place of a second one.
 
     Returns:
         (4, 4) pose_base_to_world, z along up, x towards the objects: the best at which the arm's home touches
@@ -61,11 +57,6 @@ def choose_base(
         for distance in (scale_of(arm) * usual for usual in DISTANCES)
         for k in range(DIRECTIONS)
     ]
-    bodies = situation.solids
-    if beside is not None:
-        poses = [pose for pose in poses if np.linalg.norm((pose - beside)[:3, 3]) > scale_of(arm) * ELBOWS]
-        hands = (arm.on_the_way(0.0), arm.open_hand)
-        bodies = {**bodies, **arm_bodies("the other arm's", arm, beside, np.asarray(arm.home), hands)}
     standing = _standing(poses, scene, axes, up, level, scale_of(arm) * FOOT)
     reached: list[tuple[float, FloatArray]] = []
     for pose, reach in zip(standing, _reach(standing, names, scene, arm, up), strict=True):
@@ -77,7 +68,7 @@ def choose_base(
             f"no place for {arm.name} from which it reaches {', '.join(names)}: give --base X Y Z YAW"
         )
     reached.sort(key=lambda item: -item[0])
-    free = (pose for _, pose in reached if not Checker(arm, pose, bodies).contacts(arm.home))
+    free = (pose for _, pose in reached if not Checker(arm, pose, situation.solids).contacts(arm.home))
     return next(free, reached[0][1])
 
 

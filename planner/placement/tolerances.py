@@ -8,9 +8,6 @@ DISTANCES = (0.45, 0.55, 0.65)
 FOOT = 0.15
 """Nothing may stand this close to the middle of the base [m]."""
 
-ELBOWS = 0.6
-"""Bases of two arms stand no closer [m]: the elbows of both would be in each other's way."""
-
 HOVER = 0.10
 """A hand this far above an object's top must be reachable, to take it and to carry it away [m]."""
 

@@ -26,17 +26,6 @@ from topple.topology.situation.situation import Situation
 FIRST, SECOND = "the first arm's", "the second arm's"
 
 
-def check_hands(hands: int) -> bool:
-    """Whether there are two arms.
-
-    Raises:
-        InvalidInput: There are neither one nor two.
-    """
-    if hands not in (1, 2):
-        raise InvalidInput(f"hands is {hands}: expected 1 or 2")
-    return hands == 2
-
-
 def check_second(arm: Arm) -> None:
     """Refuse a second arm that cannot hold a thing where it is.
 

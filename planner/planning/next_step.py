@@ -12,7 +12,7 @@ import numpy as np
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
-from topple.planner.decide.turn import may_begin, may_go, steadied, why_first
+from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
 from topple.planner.fallbacks import Fallback
@@ -235,7 +235,7 @@ class StepChooser:
             cycles = tuple(f"cycle: {words}" for words in chosen.certificate)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
         self._needed.update(chosen.order)
-        return chosen if self.context.second is None else steadied(chosen)
+        return chosen
 
     def _loaded(self, targets: Sequence[str]) -> Situation:
         """The situation to order: what rides in a container that is kept upright is one thing with it."""

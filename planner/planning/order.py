@@ -113,7 +113,7 @@ def order(
         check_up(sized.scene, statics)
     beliefs = beliefs or Beliefs()
     full, chance = reasoned(situation)
-    full = with_measured(full, beliefs.measured, situation, hands == 2)
+    full = with_measured(full, beliefs.measured, situation)
     check_masks(situation, wanted, full)
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, situation.statics))

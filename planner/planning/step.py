@@ -139,14 +139,14 @@ class Context:
     known: Order | None = None
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
-        """Ask the orderer; see `ask`. What takes more than two hands for certain is held where two can."""
+        """Ask the orderer; see `ask`."""
         if self.known is not None and self.known.targets == tuple(targets):
             return self.known
-        asked = partial(
-            ask, self.orderer, situation, targets, seed=self.seed, beliefs=self.beliefs, clamped=self.clamped
-        )
-        found = asked(hands=None if self.second is None else 2)
-        return found if self.second is None or not found.unresolved else asked()
+        hands = None if self.second is None else 2
+        return ask(
+            self.orderer, situation, targets,
+            seed=self.seed, beliefs=self.beliefs, hands=hands, clamped=self.clamped,
+        )  # fmt: skip
 
 
 @runtime_checkable

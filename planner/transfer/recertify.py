@@ -15,16 +15,11 @@ from topple.planner.transfer.tolerances import MARGIN, ROUNDING
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import Solids
 from topple.topology.situation.situation import Situation
 
 
 def recertified(
-    transfer: Transfer,
-    situation: Situation,
-    arm: Arm,
-    pose_base_to_world: FloatArray,
-    obstacles: Solids | None = None,
+    transfer: Transfer, situation: Situation, arm: Arm, pose_base_to_world: FloatArray
 ) -> Transfer | None:
     """Prove that a transfer can be done in another situation than it was planned for.
 
@@ -37,14 +32,13 @@ def recertified(
         situation: What is seen.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
-        obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
 
     Returns:
         The transfer with its proofs of the situation; None where something of it cannot be proven.
     """
     if transfer.object not in situation.movable or not _takes(transfer, situation, arm):
         return None
-    checks = Checks(transfer.object, situation, arm, pose_base_to_world, transfer.riding, obstacles=obstacles)
+    checks = Checks(transfer.object, situation, arm, pose_base_to_world, transfer.riding)
     checkers = _checkers(transfer, checks)
     segments: list[Segment] = []
     for segment in transfer.segments:

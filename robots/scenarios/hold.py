@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.robots.poses import angle_between
 from topple.robots.scenarios.scenario import Scenario, Unlucky, pose_at, settle, settled
-from topple.robots.scenarios.tolerances import CLEARLY, COMES_BACK, LEANING, LEANS, SLID
+from topple.robots.scenarios.tolerances import CLEARLY, COMES_BACK, LEANING, LEANS, SECOND_ARM, SLID
 from topple.robots.shapes import bowl, box, can
 from topple.robots.shapes.materials import CARD, WOOD
 from topple.robots.world.bodies import Color
@@ -42,7 +42,9 @@ def hold(seed: int = 0) -> Scenario:
         The scenario: `left`, `right`; `trestle`, `plank`, `load`, `weight`; or `board`, `bowl`, `can`.
     """
     layout = _bowl if seed % 10 == LEANING else _plank if seed % 2 else _packets
-    return replace(settled("hold", seed, layout, robot="panda"), hands=2)
+    made = settled("hold", seed, layout, robot="panda")
+    around = pose_at(0.0, 0.0, 0.0, Rotation.from_euler("z", SECOND_ARM))
+    return replace(made, pose_second_to_world=around @ made.pose_base_to_world)
 
 
 def _packets(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:

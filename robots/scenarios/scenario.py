@@ -9,16 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.robots.engines import new_world
 from topple.robots.poses import angle_between
-from topple.robots.scenarios.tolerances import (
-    ATTEMPTS,
-    CREEP,
-    OVERLAP,
-    REACHED,
-    SECOND_ARM,
-    SLID,
-    TURN,
-    WATCHED,
-)
+from topple.robots.scenarios.tolerances import ATTEMPTS, CREEP, OVERLAP, REACHED, SLID, TURN, WATCHED
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
@@ -54,7 +45,7 @@ class Scenario:
         pose_base_to_world: (4, 4) where that robot stands.
         up: (3,) against gravity.
         finished: Where the task is to copy an arrangement, a world in which the same bodies lie so.
-        hands: How many such robots it is made for.
+        pose_second_to_world: (4, 4) where a second robot of the same kind stands; None where one can do it.
     """
 
     name: str
@@ -68,12 +59,7 @@ class Scenario:
     pose_base_to_world: FloatArray
     up: FloatArray
     finished: PhysicalWorld | None = None
-    hands: int = 1
-
-    @property
-    def pose_second_to_world(self) -> FloatArray:
-        """(4, 4) where a second robot of the same kind stands."""
-        return pose_at(0.0, 0.0, 0.0, Rotation.from_euler("z", SECOND_ARM)) @ self.pose_base_to_world
+    pose_second_to_world: FloatArray | None = None
 
     def __enter__(self) -> "Scenario":
         return self

@@ -1,6 +1,7 @@
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.decide.turn import Ahead, may_begin, steadied
+from topple.planner.decide.hold import Hold
+from topple.planner.decide.turn import Ahead, may_begin
 
 
 def ordered(targets: tuple[str, ...], *names: str) -> Order:
@@ -30,18 +31,12 @@ def test_the_next_part_of_a_goal_is_no_change_and_the_same_part_again_is() -> No
     assert emptied.changed(ordered(("bowl",), "plum")) == "plum though nothing was left to take"
 
 
-def held(*edges: tuple[str, str, str]) -> list[tuple[str, str, str, bool]]:
-    """What is held, since when and until when, of an order of a, b and c; and whether that may begin."""
-    found = steadied(
-        arrange(DependencyGraph(("a", "b", "c"), tuple(Dependency(*e, 0.9) for e in edges)), (), {})
+def test_a_hold_begins_once_what_has_to_go_before_what_is_taken_in_it_is_gone() -> None:
+    graph = DependencyGraph(("a", "b", "c"), (Dependency("a", "c", "supported", 0.9),))
+    found = arrange(graph, (), {})
+    assert found.order == ("a", "b", "c")
+    assert not may_begin(Hold("c", "b", "c", "they lean on each other"), found), (
+        "the hand would take a with it"
     )
-    return [(hold.object, hold.since, hold.until, may_begin(hold, found)) for hold in found.holds]
-
-
-def test_what_something_leans_on_is_held_and_taken_by_that_hand_where_it_is_next() -> None:
-    assert held(("a", "b", "supported")) == []
-    assert held(("a", "b", "leaning"), ("b", "c", "supported")) == [("b", "a", "b", True)]
-    assert held(("a", "c", "leaning"), ("a", "b", "supported"), ("b", "c", "supported")) == [
-        ("c", "a", "a", True)
-    ]
-    assert held(("b", "c", "leaning"), ("a", "b", "supported")) == [("c", "b", "b", False)], "a is on b"
+    assert may_begin(Hold("c", "b", "b", "c alone does not stand"), found), "it lets go again"
+    assert may_begin(Hold("c", "a", "c", "both go in it"), found)

@@ -99,7 +99,7 @@ def test_an_orderer_is_told_of_the_second_arm_and_of_no_second_hand_otherwise() 
 
     with scenario("hold", 1) as stage:
         for arms in (1, 2):
-            record = loop_in(stage, orderer=orderer, hands=arms).run()
+            record = loop_in(stage, orderer=orderer, alone=arms == 1).run()
             assert "enough" in record.violations[0]
     assert "hands" not in told[0]
     assert told[1]["hands"] == 2

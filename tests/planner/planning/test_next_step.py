@@ -217,7 +217,3 @@ def test_what_moved_goes_first_only_where_geometry_lets_it() -> None:
     step = chooser(STACK, "free low", beliefs=against, orderer=cautious).choose()
     assert taken(step) == ("top", Action.REMOVE)
     assert step is not None and step.order.order == ("top", "low") and not step.order.groups
-    (hold,) = cautious(STACK, ["low"], beliefs=against, hands=2).holds
-    assert hold.sentence(["top", "low"]).startswith("hold low while top is taken: low moved with top"), (
-        "by two"
-    )

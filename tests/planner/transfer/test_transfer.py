@@ -135,15 +135,6 @@ def test_the_base_is_chosen_off_the_objects_and_within_reach() -> None:
     assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
 
 
-def test_a_second_base_is_chosen_beside_the_first() -> None:
-    now = scene()
-    first = choose_base(now, ARM)
-    second = choose_base(now, ARM, beside=first)
-    assert np.linalg.norm((second - first)[:3, 3]) > 0.6
-    gaps = [np.linalg.norm(now.clouds[name][:, :2] - second[:2, 3], axis=1).max() for name in now.movable]
-    assert max(gaps) < 0.9
-
-
 def test_no_base_reaches_what_is_too_high() -> None:
     now = scene()
     high = {name: cloud + np.array([0.0, 0.0, 5.0 * (name != "table")]) for name, cloud in now.clouds.items()}
