@@ -60,8 +60,8 @@ def may_begin(hold: Hold, chosen: Order) -> bool:
 def _waits(chosen: Order) -> list[tuple[str, str]]:
     """(first, then) of an order; within a cycle it says what starts, so only what comes earlier counts."""
     rank = {name: place for place, name in enumerate(chosen.order)}
-    edges = chosen.graph.dependencies
-    return [(e.first, e.then) for e in edges if rank.get(e.first, len(rank)) < rank.get(e.then, -1)]
+    pairs = [(edge.first, edge.then) for edge in chosen.graph.dependencies]
+    return [(first, then) for first, then in pairs if rank.get(first, len(rank)) < rank.get(then, -1)]
 
 
 def why_first(name: str, chosen: Order) -> str:

@@ -132,10 +132,8 @@ class StepChooser:
                 failures.append(found)
         if unseen is not None:
             return unseen
-        if self.context.second is None or longer:
-            return None
         holds = [hold for hold in chosen.holds if may_begin(hold, chosen)]
-        if not holds:
+        if self.context.second is None or longer or not holds:
             return None
         hold = min(holds, key=lambda each: chosen.order.index(each.since))
         held = HoldPlanner(

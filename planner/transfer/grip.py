@@ -38,7 +38,7 @@ class Grip:
 
 
 class Grips:
-    """Ways for fingers to close on an object that stays where it is.
+    """Ways for a hand to hold an object that stays where it is, fingers first.
 
     Args:
         handling: What is asked about the object.
@@ -63,9 +63,7 @@ class Grips:
     ) -> None:
         self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
         name, situation, dropped = handling.name, handling.situation, Dropped(log.reasons, log.barring)
-        tools = sorted(
-            shapes_of(handling.arm).values(), key=lambda shape: not shape.tool.gripper.limits.opening
-        )
+        tools = sorted(shapes_of(handling.arm).values(), key=lambda one: not one.tool.gripper.limits.opening)
         grasps = [
             grasp
             for tool in tools  # fingers hold what leans and is not square, a cup what is too wide for them
