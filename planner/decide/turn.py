@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from topple.planner.decide.arrange import Order
+from topple.planner.decide.hold import Hold
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,21 @@ class Ahead:
 
 def may_go(chosen: Order) -> list[str]:
     """Objects of an order that wait for nothing in it, in its order."""
-    rank = {name: place for place, name in enumerate(chosen.order)}
-    # within a cycle's group the order says what starts, so only what comes earlier is waited for
-    waiting = {
-        edge.then
-        for edge in chosen.graph.dependencies
-        if edge.first in rank and edge.then in rank and rank[edge.first] < rank[edge.then]
-    }
+    waiting = {then for _, then in _waits(chosen)}
     return [name for name in chosen.order if name not in waiting]
+
+
+def may_begin(hold: Hold, chosen: Order) -> bool:
+    """Whether nothing that is taken in a hold waits for something else in its order."""
+    taken = {*hold.meanwhile(chosen.order), hold.until}
+    return all(first in taken for first, then in _waits(chosen) if then in taken)
+
+
+def _waits(chosen: Order) -> list[tuple[str, str]]:
+    """(first, then) of an order; within a cycle it says what starts, so only what comes earlier counts."""
+    rank = {name: place for place, name in enumerate(chosen.order)}
+    pairs = [(edge.first, edge.then) for edge in chosen.graph.dependencies]
+    return [(first, then) for first, then in pairs if rank.get(first, len(rank)) < rank.get(then, -1)]
 
 
 def why_first(name: str, chosen: Order) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
-from topple.planner.decide.turn import may_go, why_first
+from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
 from topple.planner.fallbacks import Fallback
@@ -132,9 +132,10 @@ class StepChooser:
                 failures.append(found)
         if unseen is not None:
             return unseen
-        if self.context.second is None or not chosen.holds:
+        holds = [hold for hold in chosen.holds if may_begin(hold, chosen)]
+        if self.context.second is None or longer or not holds:
             return None
-        hold = min(chosen.holds, key=lambda each: chosen.order.index(each.since))
+        hold = min(holds, key=lambda each: chosen.order.index(each.since))
         held = HoldPlanner(
             hold, chosen, self.situation, self.context, self._remaining,
             lambda name: action if name in targets else Action.REMOVE,

@@ -8,6 +8,8 @@ import numpy as np
 from topple.planner.failure import FailureLog, TransferFailure
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.shape import shapes_of
+from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
@@ -36,7 +38,7 @@ class Grip:
 
 
 class Grips:
-    """Ways for fingers to close on an object that stays where it is.
+    """Ways for a hand to hold an object that stays where it is, fingers first.
 
     Args:
         handling: What is asked about the object.
@@ -60,10 +62,14 @@ class Grips:
         limits: TransferLimits = TRANSFER_LIMITS,
     ) -> None:
         self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
-        # what leans is held, and is not square
-        found = grasp_candidates(handling.name, handling.situation, handling.arm, wide=True)
-        closing = {name for name, tool in handling.arm.tools.items() if tool.gripper.limits.opening}
-        grasps = [each for each in found if each.tool in closing and not any(map(each.near, avoid))]
+        name, situation, dropped = handling.name, handling.situation, Dropped(log.reasons, log.barring)
+        tools = sorted(shapes_of(handling.arm).values(), key=lambda one: not one.tool.gripper.limits.opening)
+        grasps = [
+            grasp
+            for tool in tools  # fingers hold what leans and is not square, a cup what is too wide for them
+            for grasp in grasp_candidates(name, situation, tools=[tool], wide=True, dropped=dropped)
+            if not any(map(grasp.near, avoid))
+        ]
         hands = handling.hands(grasps[: limits.grasps], q_start, log)
         self.states = list(handling.reached(hands, False, log))
 

@@ -1,6 +1,7 @@
-from topple.planner.decide.arrange import Order
-from topple.planner.decide.dependency import DependencyGraph
-from topple.planner.decide.turn import Ahead
+from topple.planner.decide.arrange import Order, arrange
+from topple.planner.decide.dependency import Dependency, DependencyGraph
+from topple.planner.decide.hold import Hold
+from topple.planner.decide.turn import Ahead, may_begin
 
 
 def ordered(targets: tuple[str, ...], *names: str) -> Order:
@@ -28,3 +29,14 @@ def test_the_next_part_of_a_goal_is_no_change_and_the_same_part_again_is() -> No
     assert ahead.changed(ordered(("green",), "green")) is None
     emptied = Ahead.of(ordered(("bowl",), "plum"), True)
     assert emptied.changed(ordered(("bowl",), "plum")) == "plum though nothing was left to take"
+
+
+def test_a_hold_begins_once_what_has_to_go_before_what_is_taken_in_it_is_gone() -> None:
+    graph = DependencyGraph(("a", "b", "c"), (Dependency("a", "c", "supported", 0.9),))
+    found = arrange(graph, (), {})
+    assert found.order == ("a", "b", "c")
+    assert not may_begin(Hold("c", "b", "c", "they lean on each other"), found), (
+        "the hand would take a with it"
+    )
+    assert may_begin(Hold("c", "b", "b", "c alone does not stand"), found), "it lets go again"
+    assert may_begin(Hold("c", "a", "c", "both go in it"), found)
