@@ -19,7 +19,6 @@ ROI = MSG["sensor_msgs/RegionOfInterest"](0, 0, 0, 0, False)
 def write_bag(path: str, seen: list[DepthImage], base: np.ndarray, storage=StoragePlugin.MCAP) -> None:
     """Write one frame a second, all from the place of the first."""
     tree = [_transform("panda_link0", base), _transform("camera_optical", seen[0].pose_camera_to_world)]
-    Image.fromarray(seen[0].rgb).save(f"{path}.png")
     with Writer(path, version=9, storage_plugin=storage) as bag:
         _send(bag, 0, "/tf_static", MSG["tf2_msgs/TFMessage"](tree))
         for at, look in enumerate(seen, start=1):
@@ -55,5 +54,7 @@ def _send(bag: Writer, seconds: int, topic: str, message) -> None:
 if __name__ == "__main__":
     path, rng = sys.argv[1] if len(sys.argv) > 1 else "run", np.random.default_rng(0)
     with scenario("dishes") as stage:
-        write_bag(path, [stage.cameras[0].look(stage.world, rng) for _ in range(3)], stage.pose_base_to_world)
+        seen = [stage.cameras[0].look(stage.world, rng) for _ in range(3)]
+        write_bag(path, seen, stage.pose_base_to_world)
+        Image.fromarray(seen[0].rgb).save(f"{path}.png")
         print(f"{path}: labels", *(f"{number + 1} {name}" for name, number in stage.world.ids.items()))
