@@ -13,7 +13,7 @@ from topple.topology import DepthImage
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 MSG = {name.replace("/msg/", "/"): kind for name, kind in STORE.types.items()}
-ROI = MSG["sensor_msgs/RegionOfInterest"](0, 0, 0, 0, False)
+ROI, INFO = MSG["sensor_msgs/RegionOfInterest"](0, 0, 0, 0, False), MSG["sensor_msgs/CameraInfo"]
 
 
 def write_bag(path: str, seen: list[DepthImage], base: np.ndarray, storage=StoragePlugin.MCAP) -> None:
@@ -24,8 +24,7 @@ def write_bag(path: str, seen: list[DepthImage], base: np.ndarray, storage=Stora
         for at, look in enumerate(seen, start=1):
             head, (height, width) = _header(at, "camera_optical"), look.depth.shape
             about = (np.zeros(5), look.K.ravel(), np.eye(3).ravel(), np.eye(3, 4).ravel(), 0, 0)
-            info = MSG["sensor_msgs/CameraInfo"](head, height, width, "plumb_bob", *about, ROI)
-            _send(bag, at, "/camera/depth/camera_info", info)
+            _send(bag, at, "/camera/depth/camera_info", INFO(head, height, width, "plumb_bob", *about, ROI))
             _send(bag, at, "/camera/depth/image_rect", _image(head, 1e3 * look.depth, "16UC1", "<u2"))
             _send(bag, at, "/labels", _image(head, look.label, "mono8", "u1"))
 
@@ -47,8 +46,8 @@ def _transform(child: str, pose: np.ndarray):
 
 def _send(bag: Writer, seconds: int, topic: str, message) -> None:
     kind, known = message.__msgtype__, {each.topic: each for each in bag.connections}
-    connection = known.get(topic) or bag.add_connection(topic, kind, typestore=STORE)
-    bag.write(connection, seconds * 10**9, STORE.serialize_cdr(message, kind))
+    sent = known.get(topic) or bag.add_connection(topic, kind, typestore=STORE)
+    bag.write(sent, seconds * 10**9, STORE.serialize_cdr(message, kind))
 
 
 if __name__ == "__main__":
