@@ -365,9 +365,8 @@ class ClosedLoop:
         """Does a step and brings the arms out of the way; gives also the scene as it should be then."""
         name, grip = chosen.transfer.object, chosen.grip or self._arms.grip
         named = neighbours_to_watch(look.situation, chosen.order, name) - self._selector.moved_with(name)
-        named -= {*chosen.transfer.riding, *(() if grip is None else (grip.object,))}
-        if grip is not None and grip.object == name:
-            named = set()  # put back, what was held would not stand
+        held = None if grip is None else grip.object
+        named = set[str]() if held == name else named - {*chosen.transfer.riding, held}  # it would not stand
         monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
         outcome = self._arms.carry_out(chosen, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation

@@ -119,8 +119,8 @@ class Certifier:
         poses = self._chain.poses(middle)
         spans = (np.abs(way) * intervals.half[:, None]).astype(np.float32)
         wanted = self._margin[pair] + np.float32(clearance + 2 * ROUNDING)
-        asked_of = Asked(item, self._a[pair], self._b[pair], wanted)
-        motion, gap = self._bounds.of(Frames.of(poses), spans, asked_of)
+        queries = Queries(item, self._a[pair], self._b[pair], wanted)
+        motion, gap = self._bounds.of(Frames.of(poses), spans, queries)
         proven = gap > motion + wanted
         sure, open_ = np.flatnonzero(proven), np.flatnonzero(~proven)
         self._note(work, intervals.edge[item[sure]], pair[sure], (gap - motion)[sure])
@@ -206,7 +206,7 @@ def _first(starts: FloatArray, ends: FloatArray) -> _Intervals:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class Queries:
     """Part pairs a, b (T,) on intervals (T,), and how far apart [m] (T,) each is to be for any motion."""
 
     interval: IntArray
@@ -228,7 +228,7 @@ class MotionBounds:
         self._revolute = chain.revolute
         self._axes = chain.axes.astype(np.float32)
 
-    def of(self, frames: Frames, spans: Float32Array, asked: Asked) -> tuple[Float32Array, Float32Array]:
+    def of(self, frames: Frames, spans: Float32Array, asked: Queries) -> tuple[Float32Array, Float32Array]:
         """By how much motion brings parts together, and how far apart they are in the middle.
 
         Args:
@@ -255,7 +255,7 @@ class MotionBounds:
     # -- the twin
 
     def _by_twin(
-        self, frames: Frames, spans: Float32Array, asked: Asked
+        self, frames: Frames, spans: Float32Array, asked: Queries
     ) -> tuple[Float32Array, Float32Array]:
         sets, item, a, b = self._sets, asked.interval, asked.a, asked.b
         centres = frames.points(sets.frame, sets.centre)

@@ -31,23 +31,23 @@ class OpenPairs:
         self._need = model.margin[self._pairs[:, 1]].astype(np.float32)
         self._need[len(against) :] = 0.0
 
-    def among(self, poses: FloatArray, held: bool = False) -> tuple[IntArray, IntArray, IntArray]:
+    def among(self, poses: FloatArray, hand: bool = False) -> tuple[IntArray, IntArray, IntArray]:
         """Look at states.
 
         Args:
             poses: (n + 1, 3, 4, m) where the frames are in m states.
-            held: Whether only what the last frame carries is asked about, against what stands.
+            hand: Whether only what the last frame carries is asked about, against what stands.
 
         Returns:
             (T,) states and (T,) the two parts of each pair, the nearest pairs first.
         """
         frames, compiled = Frames.of(poses), kernels()
-        found = self._by_twin(frames, held) if compiled is None else self._by_kernel(compiled, frames, held)
+        found = self._by_twin(frames, hand) if compiled is None else self._by_kernel(compiled, frames, hand)
         state, a, b, gap = found
         rising = np.argsort(gap, kind="stable")
         return state[rising], a[rising], b[rising]
 
-    def _by_kernel(self, compiled: CDLL, frames: Frames, held: bool) -> _Found:
+    def _by_kernel(self, compiled: CDLL, frames: Frames, hand: bool) -> _Found:
         model, poses, count = self._model, frames.poses, frames.poses.shape[3]
         room = 4 * count + len(self._pairs)
         while True:
@@ -55,7 +55,7 @@ class OpenPairs:
             gap = np.empty(room, dtype=np.float32)
             found = compiled.separation_open(
                 address(model.sets.table), address(poses), len(poses), count, address(self._pairs),
-                address(self._need), len(self._pairs), held, DIRECTIONS, room, address(state),
+                address(self._need), len(self._pairs), hand, DIRECTIONS, room, address(state),
                 address(which), address(gap),
             )  # fmt: skip
             if found <= room:
@@ -63,9 +63,9 @@ class OpenPairs:
                 return state[:found], a, b, gap[:found]
             room = found
 
-    def _by_twin(self, frames: Frames, held: bool) -> _Found:
+    def _by_twin(self, frames: Frames, hand: bool) -> _Found:
         candidates = self._twin.candidates(frames)
-        if held:
+        if hand:
             frame = self._model.sets.frame
             last = frame[candidates.a] == len(frames.poses) - 1
             candidates = candidates.subset(last & (frame[candidates.b] == 0))

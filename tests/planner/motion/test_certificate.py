@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.motion.certificate import Asked, Certifier, MotionBounds
+from topple.planner.motion.certificate import Certifier, MotionBounds, Queries
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.open_pairs import OpenPairs
 from topple.robots.catalog import robot
@@ -90,7 +90,7 @@ def test_no_part_moves_farther_than_its_bound(path: str, monkeypatch: pytest.Mon
     pairs = [(part, one_of[base]) for part in model.moving for base in range(frame[part])]
     part, other = (np.repeat(each, 20) for each in np.array(pairs).T)
     state = np.tile(np.arange(20), len(pairs))
-    asked = Asked(state, part, other, np.zeros(len(state), dtype=np.float32))
+    asked = Queries(state, part, other, np.zeros(len(state), dtype=np.float32))
     frames = Frames.of(arm.chain.poses(middle))
     bound, _ = MotionBounds(model, arm.chain).of(frames, spans.astype(np.float32), asked)
     before = arm.chain.frames(middle)
