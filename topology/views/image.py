@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -108,8 +108,10 @@ class DepthImage(ByValue):
         """The picture that the same things enlarged by a factor would give from as much further away."""
         pose = self.pose_camera_to_world.copy()
         pose[:3, 3] *= factor
-        larger, changed = object.__new__(DepthImage), {"depth": frozen(self.depth * factor)}
-        vars(larger).update(vars(self) | changed | {"pose_camera_to_world": frozen(pose)})
+        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        changed = {"depth": frozen(self.depth * factor), "pose_camera_to_world": frozen(pose)}
+        larger = object.__new__(DepthImage)
+        vars(larger).update(own | changed | {"borders": self.borders})  # whose a pixel is hangs on no size
         return larger
 
     @cached_property
