@@ -131,7 +131,7 @@ def _clearing(seeds: range, progress: Progress) -> list[dict[str, Any]]:
         begun = time.perf_counter()
         try:
             made = plan(
-                scene, list(scene.movable), stage.robot, base=stage.pose_base_to_world, check=False, seed=seed
+                scene, list(scene.movable), stage.robot, base=stage.pose_base_to_world, seed=seed
             )
             proven += made.certified
         except NoSafePlan:
@@ -154,7 +154,7 @@ def _holds(kind: str, seed: int) -> bool:
 def _verifies(stage: Scenario, scene: Scene, goal: str | Task) -> bool:
     """Whether there is a plan from what was seen, and it passes its check."""
     try:
-        made = plan(scene, goal, stage.robot, base=stage.pose_base_to_world, check=False, seed=stage.seed)
+        made = plan(scene, goal, stage.robot, base=stage.pose_base_to_world, seed=stage.seed)
     except NoSafePlan:
         return False
     return made.certified and made.verify(scene).ok

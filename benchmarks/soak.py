@@ -63,7 +63,7 @@ def soak(rounds: int) -> Held:
         with Rehearsal.of(scene, arm, BASE):
             pass
         if number % PLANS == 0:
-            plan(scene, goal, arm, base=BASE, check=False)
+            plan(scene, goal, arm, base=BASE)
         memory.append(_memory())
         files = files if number else _files()
     third = max(1, rounds // 3)

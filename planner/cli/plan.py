@@ -72,7 +72,7 @@ def execute(args: argparse.Namespace) -> int:
         found = plan(
             scene, goal, arm, upright=args.upright, clamped=args.clamped,
             away=away, allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
-            check=not args.verify, budget=args.budget, seed=args.seed,
+            budget=args.budget, seed=args.seed,
             progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
         checked = None

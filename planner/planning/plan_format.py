@@ -30,7 +30,7 @@ from topple.topology.io.strict_json import read_json
 class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data say, in the schema too
     __doc__ = f"""{PlanData.__doc__}
     Examples:
-        >>> made = plan(scene, "free cup", "panda", check=False)
+        >>> made = plan(scene, "free cup", "panda")
         >>> made.order, made.steps[0].grasp.kind, made.certified
         (['cup'], 'pinch', True)
     """

@@ -54,7 +54,7 @@ def plan_page(
         InvalidInput: The plan names what is not in the scene, or its arm is not here.
 
     Examples:
-        >>> made = plan(scene, "free cup", "panda", check=False)
+        >>> made = plan(scene, "free cup", "panda")
         >>> plan_page(made, scene)[:15]
         '<!doctype html>'
     """

@@ -51,7 +51,7 @@ SCENE = stack()
 
 
 def _plan() -> Any:
-    return plan(SCENE, ["lower"], "panda", base=BASE, check=False)
+    return plan(SCENE, ["lower"], "panda", base=BASE)
 
 
 def _record() -> RunRecord:

@@ -94,7 +94,7 @@ def test_hands_that_come_seen_are_before_all_others() -> None:
 
 def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not() -> None:
     hidden, open_ = (
-        plan(shaded(LOW, wall=wall), ["block"], "panda", base=BASE, grasps=[pinch()], check=False)
+        plan(shaded(LOW, wall=wall), ["block"], "panda", base=BASE, grasps=[pinch()])
         for wall in (True, False)
     )
     (step,) = hidden.steps
@@ -114,10 +114,10 @@ def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one() -> No
         [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
     )
     behind = Grasp("block", "pinch", turned, 0.05, 0.066, 1.0)
-    (step,) = plan(scene, ["block"], "panda", base=BASE, grasps=[behind, pinch(score=0.1)], check=False).steps
+    (step,) = plan(scene, ["block"], "panda", base=BASE, grasps=[behind, pinch(score=0.1)]).steps
     assert not step.unseen
     assert step.grasp.score == pytest.approx(0.1)
-    (step,) = plan(scene, ["block"], "panda", base=BASE, grasps=[behind], check=False).steps
+    (step,) = plan(scene, ["block"], "panda", base=BASE, grasps=[behind]).steps
     assert step.unseen
 
 
@@ -138,7 +138,7 @@ def test_what_may_go_as_well_goes_before_what_is_taken_unseen() -> None:
 
 def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted() -> None:
     hidden, open_ = shaded(LOW), shaded(LOW, OTHER)
-    made = plan(hidden, ["block"], "panda", base=BASE, grasps=[pinch()], check=False)
+    made = plan(hidden, ["block"], "panda", base=BASE, grasps=[pinch()])
     forged = json.loads(plan_to_json(made))
     forged["steps"][0] |= {"unseen": False, "fallbacks": []}
     checked = verify(plan_from_json(json.dumps(forged)), hidden, step=ROUGH)

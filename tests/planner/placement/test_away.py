@@ -29,7 +29,7 @@ HANDED_ON = "it ends where things go that are taken"
 def made() -> dict[Away, Plan]:
     """The lower block freed, away in each way."""
     return {
-        how: plan(SCENE, ["lower"], "panda", base=BASE, away=words, check=False)
+        how: plan(SCENE, ["lower"], "panda", base=BASE, away=words)
         for how, words in WAYS.items()
     }
 

@@ -71,7 +71,7 @@ def test_the_orders_and_the_plan_of_a_demo_do_not_contradict_themselves(name: st
             if second is not None:
                 plan_two_handed(scene, watched, stage.robot, base=base, second_base=second, allow_drop=True)
             else:
-                made = plan(scene, watched, stage.robot, base=base, orderer=cautious, seed=seed, check=False)
+                made = plan(scene, watched, stage.robot, base=base, orderer=cautious, seed=seed)
                 document = {"order": made.order, "dependencies": to_builtins(made.dependencies)}
                 assert contradictions(document, [step.object for step in made.steps]) == []
     assert watched.steps or name == "hold"

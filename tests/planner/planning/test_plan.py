@@ -77,7 +77,7 @@ class PinchingChooser(StepChooser):
 
 def test_from_a_step_that_its_check_refutes_on_a_plan_is_made_anew(found: Plan) -> None:
     lines = list[str]()
-    other = plan(stacked(), Pinching(["lower box"], 1), ARM, base=BASE, progress=lines.append)
+    other = plan(stacked(), Pinching(["lower box"], 1), ARM, base=BASE, check=True, progress=lines.append)
     assert other.verify(stacked()).ok
     assert sum("upper" in line for line in lines) == 1  # what went before stays
     first, second = found.steps[1], other.steps[1]
@@ -89,7 +89,7 @@ def test_from_a_step_that_its_check_refutes_on_a_plan_is_made_anew(found: Plan) 
 @pytest.mark.slow
 def test_where_the_check_refutes_plan_after_plan_its_first_reason_is_told() -> None:
     with pytest.raises(NoSafePlan, match="own check: grasps that hold nothing"):
-        plan(stacked(), Pinching(["lower box"], 9), ARM, base=BASE)
+        plan(stacked(), Pinching(["lower box"], 9), ARM, base=BASE, check=True)
 
 
 @pytest.mark.slow
@@ -102,7 +102,7 @@ def test_many_scenes_are_planned_as_each_by_itself_and_one_without_a_plan_says_s
         np.savez(tmp_path / f"{name}.npz", **stacked().clouds, fixed=["table"], up=[0, 0, 1], robot_base=base)
     with WorkerPool(1) as pool:
         paths = [tmp_path / "near.npz", tmp_path / "far.npz"]
-        near, none = plan_all(paths, ["lower box"], "panda-suction", executor=pool, check=False)
+        near, none = plan_all(paths, ["lower box"], "panda-suction", executor=pool)
     assert isinstance(near, Plan) and near.steps[0].segments == found.steps[0].segments
     assert isinstance(none, NoSafePlan) and none.certificate
 

@@ -75,7 +75,7 @@ def lone_plan():
     box = box_cloud((0.5, 0, 0.04), (0.05, 0.05, 0.08), 1500)
     top = np.random.default_rng(9).uniform((0.2, -0.4, 0), (0.9, 0.4, 0), (20_000, 3))
     scene = Scene({"table": top, "box": box}, fixed=["table"], up=[0, 0, 1], robot_base=np.eye(4))
-    return plan(scene, "free box", "panda", check=False), scene
+    return plan(scene, "free box", "panda"), scene
 
 
 @pytest.fixture(scope="session")

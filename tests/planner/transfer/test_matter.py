@@ -85,7 +85,7 @@ def test_a_screen_is_an_obstacle_and_no_object(behind: Scene) -> None:
 
 def test_an_arm_goes_round_a_screen_and_never_through(behind: Scene) -> None:
     try:
-        found = plan(behind, ["box"], "panda", base=BASE, check=False)
+        found = plan(behind, ["box"], "panda", base=BASE)
     except NoSafePlan as error:
         assert MATTER in str(error)
         return
@@ -98,7 +98,7 @@ def test_a_plan_through_a_screen_is_refuted() -> None:
     close = pose_at(-0.08, 0.0, 0.0)
     blind = seen(close, unnamed=False)
     assert MATTER not in Situation(blind).solids
-    found = plan(blind, ["box"], "panda", base=BASE, check=False)
+    found = plan(blind, ["box"], "panda", base=BASE)
     assert found.verify(blind).ok
     assert deepest(found, close) > 0
     assert "collisions (python-fcl)" in [bad.name for bad in found.verify(seen(close)).failed]
@@ -114,7 +114,7 @@ def test_nothing_is_put_into_a_screen_and_hands_keep_clear(behind: Scene) -> Non
 
 def test_a_box_against_a_wall_is_taken() -> None:
     wall, against = shapes.box("screen", (0.01, 0.7, 0.12)), pose_at(0.031, 0.0, 0.0)
-    found = plan(seen(against, what=wall), ["box"], "panda", base=BASE, check=False)
+    found = plan(seen(against, what=wall), ["box"], "panda", base=BASE)
     assert deepest(found, against, wall) == 0
 
 

@@ -77,7 +77,7 @@ def test_what_is_weighed_is_held_against_arm_and_hand(mass: float, what: set[str
 def test_joints_that_cannot_hold_a_load_are_named_with_their_figures() -> None:
     """Within the rated payload, and beyond what a joint of an xArm holds far out."""
     far, arm = alone(0.25), robot("xarm6")
-    made = plan(far, ["block"], arm, base=BASE, check=False)
+    made = plan(far, ["block"], arm, base=BASE)
     assert verify(made, far, step=ROUGH).ok
     heavy = far.weighed({"block": 2.9}, {"block": 1.0})
     checked = verify(made, heavy, step=ROUGH)
