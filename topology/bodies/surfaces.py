@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from functools import cached_property
-from weakref import WeakKeyDictionary, ref
+from weakref import finalize, ref
 
 import numpy as np
 
@@ -111,14 +111,22 @@ class Surfaces:
         return found
 
 
-_COMPLETED: WeakKeyDictionary[Scene, Surfaces] = WeakKeyDictionary()
-"""Of the scenes there are: relations that infer contacts, orders and placements ask of the same one."""
+_COMPLETED: dict[int, Surfaces] = {}
+"""By the places in memory of the scenes there are: relations that infer contacts, orders and placements ask of
+the same one. An equal scene has its own, since how bodies are completed hangs on what a scene came of."""
 
 
 def surfaces_of(scene: Scene) -> Surfaces:
     """The completed bodies of a scene."""
-    known = _COMPLETED.get(scene)
-    return _COMPLETED.setdefault(scene, Surfaces(scene)) if known is None else known
+    known = _COMPLETED.get(id(scene))
+    return _kept(scene, Surfaces(scene)) if known is None else known
+
+
+def _kept(scene: Scene, surfaces: Surfaces) -> Surfaces:
+    """Keep the bodies of a scene for as long as there is the scene."""
+    _COMPLETED[id(scene)] = surfaces
+    finalize(scene, _COMPLETED.pop, id(scene), None)
+    return surfaces
 
 
 def carry_over(scene: Scene, before: Scene, moved: Mapping[str, FloatArray] | None = None) -> None:
@@ -130,7 +138,7 @@ def carry_over(scene: Scene, before: Scene, moved: Mapping[str, FloatArray] | No
         moved: name -> (4, 4) rigid transform in the world of objects that are elsewhere now, and whole.
     """
     kept = [name for name, cloud in scene.clouds.items() if before.clouds.get(name) is cloud]
-    _COMPLETED.setdefault(scene, Surfaces(scene, surfaces_of(before), kept, moved))
+    _kept(scene, Surfaces(scene, surfaces_of(before), kept, moved))
 
 
 def whole_surfaces(scene: Scene) -> dict[str, FloatArray]:
