@@ -1,12 +1,14 @@
 """Scenes that everybody knows, from small parts to crates: the drawing tells, whatever its size."""
 
+import json
+
 import networkx as nx
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import topple
-from topple.benchmarks.truth.pool import pool
+from topple.benchmarks.truth.pool import PoolScene, pool
 from topple.benchmarks.truth.views import WIDE, seen
 from topple.topology import DepthImage, Scene
 from topple.topology.base.arrays import FloatArray
@@ -71,13 +73,8 @@ def test_a_textbook_scene_is_told_as_it_is_drawn(name: str, size: float) -> None
 
 
 def test_pictures_are_enlarged_with_what_they_show() -> None:
-    pile = next(scene for scene in pool() if scene.set == "settled")
-    arrays = seen(pile.resting, 1, 0, WIDE)
-    names = {k + 1: str(name) for k, name in enumerate(arrays["names"])}
-    image = DepthImage(
-        arrays["depth_0"].astype(float), arrays["K"], arrays["label_0"].astype(int), arrays["pose_0"], names
-    )
-    scene = Scene.from_images([image], fixed=["table"], up=(0, 0, 1))
+    scene = _pictured(next(scene for scene in pool() if scene.set == "settled"))
+    (image,) = scene.images
     small = Situation(enlarged(scene, 0.1))
     assert small.sized.unit == pytest.approx(0.1, rel=0.6)
     assert Situation(scene).sized.unit == 1.0
@@ -89,3 +86,17 @@ def test_pictures_are_enlarged_with_what_they_show() -> None:
     assert (seen_behind[0] == seen_behind[1]).mean() > 0.95
     past = image.depth_past(behind, around=True)  # what was asked of a picture does not go on to the larger one
     assert np.allclose(image.enlarged(3.0).depth_past(behind * 3.0, around=True), past * 3.0)
+
+
+def test_a_scene_asked_again_gives_the_same_relations() -> None:
+    scene = _pictured(next(scene for scene in pool() if scene.name == "settled 44000020"))
+    assert len({json.dumps(topple.relate(scene).to_json()) for _ in range(2)}) == 1
+
+
+def _pictured(pile: PoolScene) -> Scene:
+    """A scene as a camera sees it."""
+    arrays = seen(pile.resting, 1, 0, WIDE)
+    names = {k + 1: str(name) for k, name in enumerate(arrays["names"])}
+    depth, label = arrays["depth_0"].astype(float), arrays["label_0"].astype(int)
+    image = DepthImage(depth, arrays["K"], label, arrays["pose_0"], names)
+    return Scene.from_images([image], fixed=["table"], up=(0, 0, 1))
