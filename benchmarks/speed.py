@@ -220,13 +220,13 @@ def relations_row(points: int, bar: float, seed: int, repeats: int) -> Row:
 
 def _frames(trees: Trees, data: Path | None, repeats: int, seed: int, progress: Progress) -> list[Row]:
     if data is None:
-        paths, what = [_rendered(trees.scratch, seed)], "a rendered frame of 15 things"
+        paths, what = [_rendered(trees.scratch, seed + k) for k in (1, 0)], "a rendered frame of 15 things"
     else:
-        paths = sorted(data.rglob("*.npz"))
-        if not paths:
-            raise InvalidInput(f"{data}: no frames (*.npz) in this folder or below")
-        paths = paths[:: -(-len(paths) // FRAMES)]
-        what = f"{len(paths)} recorded frames, mean"
+        every = sorted(data.rglob("*.npz"))
+        if len(every) < 2:
+            raise InvalidInput(f"{data}: fewer than two frames (*.npz) in this folder and below")
+        paths = [every[1], *every[:: -(-len(every) // FRAMES)]]  # the first is not counted
+        what = f"{len(paths) - 1} recorded frames, mean"
     settings = {"paths": [str(path) for path in paths]}
     found: list[Row] = []
     for task, words, peer, bar in (
@@ -236,9 +236,9 @@ def _frames(trees: Trees, data: Path | None, repeats: int, seed: int, progress: 
     ):
         progress(f"{what}, {words}")
         ours, theirs = trees.measure(task, settings, repeats)
-        means = float(np.mean(ours)), None if theirs is None else float(np.mean(theirs))
+        means = float(np.mean(ours[1:])), None if theirs is None else float(np.mean(theirs[1:]))
         found.append(trees.row(f"{what}, {words}", *means))
-        fixed = float(np.mean(trees.ours(peer, settings)))
+        fixed = float(np.mean(trees.ours(peer, settings)[1:]))
         most = None if bar is None else f"<= {bar:g}x"
         found.append(longer(f"{what}, {words}", means[0], PEERS[peer], fixed, most))
     return found
@@ -378,7 +378,7 @@ def _ordered(scene: Scene) -> float:
 def _rendered(folder: Path, seed: int) -> Path:
     """A rendered frame as a file: depth, matrix, labels, the table's plane."""
     image = frame(seed)
-    path = folder / "frame.npz"
+    path = folder / f"frame_{seed}.npz"
     table = np.concatenate([image.pose_camera_to_world[2, :3], [image.pose_camera_to_world[2, 3]]])
     np.savez_compressed(path, depth=image.depth, K=image.K, label=image.label, table_plane=table)
     return path

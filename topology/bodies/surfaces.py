@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from functools import cached_property
-from weakref import finalize, ref
+from weakref import ref
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.outline import in_openings
 from topple.topology.scene.scene import Scene
 from topple.topology.views.free_space import FreeSpace
+
+_KEPT = "_surfaces"
+"""Under which name a scene keeps its bodies, as it would a cached property."""
 
 
 class Surfaces:
@@ -111,21 +114,17 @@ class Surfaces:
         return found
 
 
-_COMPLETED: dict[int, Surfaces] = {}
-"""By the places in memory of the scenes there are: relations that infer contacts, orders and placements ask of
-the same one. An equal scene has its own, since how bodies are completed hangs on what a scene came of."""
-
-
 def surfaces_of(scene: Scene) -> Surfaces:
-    """The completed bodies of a scene."""
-    known = _COMPLETED.get(id(scene))
-    return _kept(scene, Surfaces(scene)) if known is None else known
+    """The completed bodies of a scene: relations that infer contacts, orders and placements ask of the same one.
+
+    An equal scene has its own, since how bodies are completed hangs on what a scene came of.
+    """
+    return vars(scene).get(_KEPT) or _kept(scene, Surfaces(scene))
 
 
 def _kept(scene: Scene, surfaces: Surfaces) -> Surfaces:
-    """Keep the bodies of a scene for as long as there is the scene."""
-    _COMPLETED[id(scene)] = surfaces
-    finalize(scene, _COMPLETED.pop, id(scene), None)
+    """Keep the bodies of a scene with it."""
+    vars(scene)[_KEPT] = surfaces
     return surfaces
 
 

@@ -1,7 +1,7 @@
 """Scene: named clouds, what never moves, which way is up, and from where it was seen."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Literal
 
@@ -391,9 +391,9 @@ class Scene(ByValue):
         write_clouds(Path(path), self.clouds, about)
 
     def _changed(self, **checked: object) -> "Scene":
-        """Copy with other attributes, which have been checked; the rest needs no second look."""
+        """Copy with other attributes, which have been checked; what was worked out of this one stays here."""
         changed = object.__new__(Scene)
-        changed.__dict__.update(self.__dict__ | checked)
+        changed.__dict__.update({each.name: getattr(self, each.name) for each in fields(self)} | checked)
         return changed
 
     def _fixed_in_order(self) -> list[str]:
