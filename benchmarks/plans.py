@@ -130,9 +130,7 @@ def _clearing(seeds: range, progress: Progress) -> list[dict[str, Any]]:
             scene = seen(stage)
         begun = time.perf_counter()
         try:
-            made = plan(
-                scene, list(scene.movable), stage.robot, base=stage.pose_base_to_world, seed=seed
-            )
+            made = plan(scene, list(scene.movable), stage.robot, base=stage.pose_base_to_world, seed=seed)
             proven += made.certified
         except NoSafePlan:
             pass  # counted below

@@ -84,9 +84,9 @@ def plan(
         away: Where things go that are taken: "table", to free places on what is seen; "lift", "bin", or
             ("zone", ...), ("hand-over", ...) with numbers, as `topple.planner.placement.away` has them.
         allow_drop: Whether an object may be released where no stable place is in reach; its step says so.
-        check: Whether `Plan.verify`, which doubles the time, is asked before the plan is returned. From a step
-            that it refutes on is planned anew, with another grasp or place, three times at most. An order or
-            relations of your own are not held against the dependencies that topple finds.
+        check: Whether `Plan.verify` is asked before the plan is returned, which doubles the time. From a
+            step that it refutes on is planned anew, with another grasp or place, three times at most. An
+            order or relations of your own are not held against the dependencies that topple finds.
         budget: Wall-clock seconds for the whole call: what takes longer fails.
         seed: Of every search.
         progress: Called with a line for each step.

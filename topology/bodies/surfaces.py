@@ -115,7 +115,7 @@ class Surfaces:
 
 
 def surfaces_of(scene: Scene) -> Surfaces:
-    """The completed bodies of a scene: relations that infer contacts, orders and placements ask of the same one.
+    """The completed bodies of a scene: relations that infer contacts, orders and placements share them.
 
     An equal scene has its own, since how bodies are completed hangs on what a scene came of.
     """

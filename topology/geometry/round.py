@@ -123,9 +123,7 @@ def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
     some = points[:: -(-len(points) // MANY_FITTED)] if len(points) else points
     balls = [_ball(some, axis, stretch) for axis, stretch in _stretches(some)]
     found = [body for body in (*balls, *_cylinders(some, normals)) if body is not None]
-    return tuple(
-        Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, some)) for body in found
-    )
+    return tuple(Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, some)) for body in found)
 
 
 def round_body(

@@ -84,7 +84,7 @@ def test_pictures_are_enlarged_with_what_they_show() -> None:
     behind = places + 0.05 * (places - scene.viewpoints[0])
     seen_behind = [Situation(scene).shown(behind, 0.005), large.shown(behind * 0.1 / large.unit, 0.005)]
     assert (seen_behind[0] == seen_behind[1]).mean() > 0.95
-    past = image.depth_past(behind, around=True)  # what was asked of a picture does not go on to the larger one
+    past = image.depth_past(behind, around=True)  # what was asked is not kept in the larger picture
     assert np.allclose(image.enlarged(3.0).depth_past(behind * 3.0, around=True), past * 3.0)
 
 

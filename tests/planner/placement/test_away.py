@@ -28,10 +28,7 @@ HANDED_ON = "it ends where things go that are taken"
 @pytest.fixture(scope="module")
 def made() -> dict[Away, Plan]:
     """The lower block freed, away in each way."""
-    return {
-        how: plan(SCENE, ["lower"], "panda", base=BASE, away=words)
-        for how, words in WAYS.items()
-    }
+    return {how: plan(SCENE, ["lower"], "panda", base=BASE, away=words) for how, words in WAYS.items()}
 
 
 def changed(made: Plan, change: Any) -> Plan:
