@@ -22,7 +22,7 @@ from topple.planner.execution.tolerances import (
     STILL,
     TOUCHDOWN,
 )
-from topple.planner.formats.arm_motion import ArmMotion, Carry
+from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.grasp.tolerances import RELEASE_GAP
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -317,5 +317,5 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
 
 def _motion(transfer: Transfer, ended: list[Segment], robot: Driver) -> ArmMotion | None:
     """How the arm went through the segments that it came to the end of."""
-    carry = Carry(ended, (transfer.object, *transfer.riding))
+    carry = ended, (transfer.object, *transfer.riding), np.zeros(3)
     return ArmMotion.of(robot.arm, robot.pose_base_to_world, [carry])

@@ -119,7 +119,7 @@ class HoldPlanner:
         """The ways of one arm to hold the object, best grasps first, with the room they leave the other."""
         beside = standing_by(self._prefix(taker), taker)
         handling = self._handling(holder, beside, self.situation)
-        grips = Grips(handling, holder.q, log, avoid=self.context.avoid.get(self.hold.object, ()))
+        grips = Grips(handling, holder.q, log, self.context.avoid.get(self.hold.object, ()))
         if not grips.states:
             return []
         alone = Transfers(self.situation, replace(self.context, station=taker, obstacles={}))

@@ -229,8 +229,8 @@ class _Laying:
         Raises:
             NoSafePlan: There is none.
         """
-        with Proof(name, there) as proof:
-            held = next((place for place in places if proof.holds(place)), None)
+        proof = Proof(name, there)
+        held = next((place for place in places if proof.holds(place)), None)
         if held is None:
             words = f"{name} would stay nowhere where the words put it"
             raise NoSafePlan(words, (words,))

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 def take_away(
     world: World,
     name: str,
-    seconds: float = SETTLE,
     before: Mapping[str, FloatArray] | None = None,
     watch: Callable[[World], None] | None = None,
 ) -> dict[str, Move]:
@@ -30,7 +29,6 @@ def take_away(
     Args:
         world: A world at rest.
         name: What is lifted.
-        seconds: Time to settle after the lift [s].
         before: name -> (4, 4) pose that the others are compared with: where they would be had nothing been
             lifted. Where they are now, if not given.
         watch: Called after every step of the lift, and once all is over, before the world is put back.
@@ -46,7 +44,7 @@ def take_away(
     turn = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[1]
     # Out of reach of everything, where it falls for as long as the others settle.
     pybullet.resetBasePositionAndOrientation(number, (0, 0, 1e3), turn, physicsClientId=client)
-    for _ in range(round(seconds / world.time_step / 24)):
+    for _ in range(round(SETTLE / world.time_step / 24)):
         world.step(24)
         if _at_rest(world, name):
             break
@@ -63,8 +61,8 @@ def _at_rest(world: World, lifted: str) -> bool:
     """Whether nothing moves but the lifted body."""
     for name in world.movable:
         if name != lifted:
-            linear, angular = pybullet.getBaseVelocity(world.ids[name], physicsClientId=world.client)
-            if np.linalg.norm(linear) > STILL or np.linalg.norm(angular) > 10 * STILL:
+            speed, turn = world.speeds(name)
+            if speed > STILL or turn > 10 * STILL:
                 return False
     return True
 
@@ -152,18 +150,3 @@ def set_friction(
     for name, number in world.ids.items():
         value = known.get(name, table / own if name in world.fixed else own)
         pybullet.changeDynamics(number, -1, lateralFriction=value, physicsClientId=world.client)
-
-
-def label(moves: list[Mapping[str, Move]], name: str) -> int | None:
-    """Did an object have to go first: 1 yes, 0 no, None too close to call.
-
-    Args:
-        moves: What moved, once per friction.
-        name: The object asked about.
-    """
-    own = [each[name] for each in moves]
-    if all(m.beyond(0.01, 10) for m in own) and any(m.beyond(0.015, 15) for m in own):
-        return 1
-    if not any(m.beyond(0.01, 10) for m in own) and sum(m.beyond(0.006, 6) for m in own) <= 1:
-        return 0
-    return None

@@ -13,7 +13,6 @@ from topple.planner.simulate.tolerances import CONVEX, FLOOR_BELOW, PLAYED, STAY
 from topple.planner.stability.check import ObjectCheck, StabilityCheck
 from topple.planner.stability.solids import solid_of
 from topple.planner.stability.verdicts import Verdict
-from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.engines import new_world
 from topple.robots.world.bodies import Body
 from topple.robots.world.body_clouds import shell
@@ -96,11 +95,7 @@ def play(scene: AnyScene | Situation, found: StabilityCheck) -> Played:
 def _disagree(found: ObjectCheck, move: Move) -> bool:
     if found.verdict is Verdict.PENETRATES:
         return False
-    return (
-        move.beyond(DISTURBED, float(np.degrees(TURNED)))
-        if found.stands
-        else not move.beyond(STAYS, STAYS_TURNED)
-    )
+    return move.share > 1.0 if found.stands else not move.beyond(STAYS, STAYS_TURNED)
 
 
 def _fill(world: PhysicalWorld, situation: Situation) -> None:

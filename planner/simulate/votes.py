@@ -141,20 +141,15 @@ def _in_processes(jobs: Sequence[_Job]) -> list[_Lift]:
     return [lift for lifts in found.values() for lift in lifts]
 
 
-def _share(move: Move) -> float:
-    """A move as a share of what counts as one: 1 cm or 10 degrees."""
-    return max(move.distance / 0.01, float(np.degrees(move.angle)) / 10.0)
-
-
 def _count(lifts: Sequence[_Lift]) -> Votes:
     """Votes of all lifts."""
     moved: dict[tuple[str, str], list[bool]] = {}
     sagged: dict[str, float] = {}
     for lift in lifts:
         for name, move in lift.sagged.items():
-            sagged[name] = max(sagged.get(name, 0.0), _share(move))
+            sagged[name] = max(sagged.get(name, 0.0), move.share)
         for first, move in lift.moves.items():
-            moved.setdefault((first, lift.then), []).append(_share(move) > 1.0)
+            moved.setdefault((first, lift.then), []).append(move.share > 1.0)
     return Votes({pair: tuple(each) for pair, each in moved.items()}, sagged, len(lifts))
 
 
