@@ -92,7 +92,7 @@ def execute(
     """
     done: list[Segment] = []
     ended: list[Segment] = []
-    watch = watch or _nobody
+    watch = watch or (lambda moment, tool: None)
     resumed: list[str] = []
     problem, moved = None, dict[str, float]()
     try:
@@ -169,10 +169,6 @@ def _way_back(path: Motion, q: FloatArray) -> Trajectory:
     come = max(int(np.abs(path.positions - q).max(axis=1).argmin()) + 1, 2)
     positions, velocities = path.positions[:come][::-1], -path.velocities[:come][::-1]
     return Trajectory(path.times[:come], positions, velocities)
-
-
-def _nobody(_moment: str, _tool: str) -> None:
-    """Nothing looks on."""
 
 
 def go_home(robot: Driver, solids: Solids, seed: int) -> None:

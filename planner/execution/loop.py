@@ -13,7 +13,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, taken_over
 from topple.planner.execution.judge import Judge
-from topple.planner.execution.lift_monitor import LiftMonitor, neighbours_to_watch
+from topple.planner.execution.lift_monitor import CameraStream, LiftMonitor, neighbours_to_watch
 from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected, without
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.prepare import Preparer
@@ -182,18 +182,11 @@ class ClosedLoop:
             [robot] if second is None else [robot, second],
         )  # fmt: skip
         wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
+        judge = Judge(robot, fixed, up, wanted=wanted, second=second)
         return cls(
-            robot,
-            perception,
-            goal,
-            seed=seed,
-            judge=Judge(robot, fixed, up, wanted=wanted, second=second),
-            wrist=wrist,
-            second=second,
-            away=away,
-            hand_on=partial(taken_over, world, robot),
-            **more,
-        )
+            robot, perception, goal, seed=seed, judge=judge, wrist=wrist, second=second, away=away,
+            hand_on=partial(taken_over, world, robot), **more,
+        )  # fmt: skip
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -357,7 +350,9 @@ class ClosedLoop:
         named = neighbours_to_watch(look.situation, chosen.order, name) - self._selector.moved_with(name)
         held = None if grip is None else grip.object
         named = set[str]() if held == name else named - {*chosen.transfer.riding, held}  # it would not stand
-        monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
+        stream, monitor = self.perception, None
+        if named and isinstance(stream, CameraStream):
+            monitor = LiftMonitor(stream, look.images, look.situation, named)
         outcome = self._arms.carry_out(chosen, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
         how = chosen.transfer.placement.how

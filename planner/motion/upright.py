@@ -7,12 +7,12 @@ import numpy as np
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion, MotionFailure, in_turn, keeping
-from topple.planner.motion.rrt import RRTSettings, rrt_connect
+from topple.planner.motion.rrt import rrt_connect
 from topple.planner.motion.shortcut import shortcut
 from topple.planner.motion.tolerances import CLEARANCE, DAMPING, ROUNDS, STEP, UPRIGHT_ROUNDS, WITHIN
 from topple.topology.base.arrays import BoolArray, FloatArray
 
-REACH = RRTSettings(reach=0.35)  # [rad] longer branches leave the band of small tilts more often than not
+REACH = 0.35  # [rad] longer branches leave the band of small tilts more often than not
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def _planned(
             path, stage = (
                 rrt_connect(
                     level, start, goals[kept], seed=seed + 7919 * attempt, rounds=rounds,
-                    settings=REACH, project=level.turned_back,
+                    reach=REACH, project=level.turned_back,
                 ),
                 "rrt",
             )  # fmt: skip

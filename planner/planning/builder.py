@@ -74,25 +74,26 @@ class PlanBuilder:
     def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
         """Choose one step after the other; `asked` gives the relations before each where there is one."""
         known, ordered_in = None, self.situation
-        for _ in range(MOST_STEPS * len(self.situation.movable)):
-            context = self._context(known)
-            try:
-                chosen = task.chooser(self.situation, self.goal, context).choose()
-            except NoSafePlan:
-                if known is None:
-                    raise
-                chosen = task.chooser(self.situation, self.goal, replace(context, known=None)).choose()
-            if chosen is None:
-                return
-            if known is None or chosen.order.supports is not known.supports:
-                ordered_in = self.situation  # it was asked anew
-            known = None
-            if context.orderer is ordered and asked is None and not context.upright:
-                known = _left_by(chosen, ordered_in)
-            self.take(chosen)
-            if asked is not None:
-                scene = self.situation.scene
-                self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
+        with self.context.sandbox:
+            for _ in range(MOST_STEPS * len(self.situation.movable)):
+                context = self._context(known)
+                try:
+                    chosen = task.chooser(self.situation, self.goal, context).choose()
+                except NoSafePlan:
+                    if known is None:
+                        raise
+                    chosen = task.chooser(self.situation, self.goal, replace(context, known=None)).choose()
+                if chosen is None:
+                    return
+                if known is None or chosen.order.supports is not known.supports:
+                    ordered_in = self.situation  # it was asked anew
+                known = None
+                if context.orderer is ordered and asked is None and not context.upright:
+                    known = _left_by(chosen, ordered_in)
+                self.take(chosen)
+                if asked is not None:
+                    scene = self.situation.scene
+                    self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))

@@ -1,6 +1,6 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -270,10 +270,24 @@ def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[s
     Raises:
         UnknownObject: One is not in the scene.
     """
-    names = frozenset([clamped] if isinstance(clamped, str) else clamped)
+    return check_known(clamped, scene, scene.movable) - scene.fixed
+
+
+def check_known(named: Collection[str] | str, scene: "Scene", known: Sequence[str]) -> frozenset[str]:
+    """Refuse names of what is not there.
+
+    Args:
+        named: Names of objects, one or several.
+        scene: The scene.
+        known: What could have been meant.
+
+    Raises:
+        UnknownObject: One is not in the scene.
+    """
+    names = frozenset([named] if isinstance(named, str) else named)
     if unknown := sorted(names - scene.clouds.keys()):
-        raise UnknownObject(unknown[0], scene.movable)
-    return names - scene.fixed
+        raise UnknownObject(unknown[0], known)
+    return names
 
 
 def check_targets(scene: "Scene", targets: Collection[str] | str | None) -> tuple[str, ...]:

@@ -15,9 +15,9 @@ from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
 from topple.planner.planning.builder import PlanBuilder, Progress, check_relations
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.order import check_clamped, check_masks, ordered
+from topple.planner.planning.order import check_clamped, check_known, check_masks, ordered
 from topple.planner.planning.plan_format import Plan
-from topple.planner.planning.start import check_start, check_upright
+from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import TRIES
 from topple.planner.verify.claims import SEEN_ORDER
@@ -120,7 +120,7 @@ def plan(
     pose = choose_base(situation, arm) if given is None else given
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     check_start(situation, arm, pose, start)
-    level, fixture = check_upright(scene, upright), check_clamped(scene, clamped)
+    level, fixture = check_known(upright, scene, scene.names), check_clamped(scene, clamped)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
     context = Context(
         Station(arm, pose, start), upright=level, clamped=fixture, allow_drop=allow_drop, orderer=orderer,

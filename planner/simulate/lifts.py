@@ -1,7 +1,6 @@
 """Take something away in simulation: what moves?"""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,23 +66,6 @@ def _at_rest(world: World, lifted: str) -> bool:
     return True
 
 
-@dataclass(frozen=True)
-class Trial:
-    """One way the world may be, within what the clouds leave open.
-
-    Attributes:
-        between: Friction between objects, where it is not known.
-        table: Friction with what is fixed, likewise.
-        jitter: Standard deviation [m] of where each body really is, along each axis.
-        seed: Seed of the jitter.
-    """
-
-    between: float
-    table: float
-    jitter: float
-    seed: int
-
-
 class Stage:
     """A rebuilt world at rest, from which things are taken away one at a time; to be closed.
 
@@ -92,15 +74,17 @@ class Stage:
         sagged: name -> how far it moved before anything was taken: how wrong its rebuilt body is.
     """
 
-    def __init__(self, rebuilt: "Rebuilt", trial: Trial) -> None:
+    def __init__(self, rebuilt: "Rebuilt", between: float, table: float) -> None:
         """Build the world, let it come to rest, and see where everything stays if nothing is done.
 
         Args:
             rebuilt: The bodies.
-            trial: The friction, of surfaces of which it is not known.
+            between: Friction between objects, where it is not known.
+            table: Friction with what is fixed, likewise.
         """
-        self.world = rebuilt.world()
-        set_friction(self.world, trial.between, trial.table, rebuilt.friction)
+        self.world = World()
+        rebuilt.fill(self.world)
+        set_friction(self.world, between, table, rebuilt.friction)
         before = self.world.poses()
         _come_to_rest(self.world)
         kept = self.world.snapshot()

@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from topple.planner.simulate.lift import Move, move_between
-from topple.planner.simulate.rebuild import FLOOR, ground_of, rebuild, shape_of
+from topple.planner.simulate.rebuild import ground_of, rebuild, shape_of
 from topple.planner.simulate.tolerances import CONVEX, FLOOR_BELOW, PLAYED, STAYS, STAYS_TURNED
 from topple.planner.stability.check import ObjectCheck, StabilityCheck
 from topple.planner.stability.solids import solid_of
@@ -79,9 +79,7 @@ def play(scene: AnyScene | Situation, found: StabilityCheck) -> Played:
     situation = Situation.of(scene)
     with new_world() as world:
         if not found.exact and situation.sized.statics.upright.viewpoints is not None:
-            rebuilt = rebuild(situation.sized.statics)
-            world.add_table(FLOOR, height=rebuilt.floor, size=(3.0, 3.0))
-            rebuilt.add_to(world)
+            rebuild(situation.sized.statics).fill(world)
         else:
             _fill(world, situation)
         before = world.poses()

@@ -25,8 +25,8 @@ _Standing = tuple[Sequence[FloatArray], float, FloatArray]
 class Sandbox:
     """A world in which one object is let go time and again, among others that hold still or can be pushed.
 
-    It is made once it is needed, and ends with this. What stands as it stood in the question before stays in
-    it. Another process makes its own.
+    It is made once it is needed, and ends with this, or with the block that this is entered for. What stands
+    as it stood in the question before stays in it. Another process makes its own.
 
     Attributes:
         bodies: What the question is about: convex parts of all objects, in the frame of the scene [m].
@@ -40,6 +40,14 @@ class Sandbox:
         self._worlds: list[PhysicalWorld] = []
         self._still: dict[str, _Standing] = {}
         self._loose: dict[str, FloatArray] = {}
+
+    def __enter__(self) -> "Sandbox":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        while self._worlds:
+            self._worlds.pop().close()
+        self.bodies, self._still = {}, {}
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Sandbox, ()

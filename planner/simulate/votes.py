@@ -12,7 +12,7 @@ from topple.planner.budget import check_budget, seconds_left
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.decide.rates import likelihoods, posterior
 from topple.planner.simulate.lift import Move
-from topple.planner.simulate.lifts import Stage, Trial
+from topple.planner.simulate.lifts import Stage
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.tolerances import FRICTIONS, NOISE, TRUSTED
 from topple.topology.base.workers import serve
@@ -69,25 +69,24 @@ def ask(
     """
     names = graph.names
     jitter = NOISE[0 if statics.sight is None else 1]
-    trials = [
-        Trial(between, table, jitter if number else 0.0, seed + number)
-        for number, (between, table) in enumerate(FRICTIONS)
-    ]
+    trials = [(rough, jitter if number else 0.0, seed + number) for number, rough in enumerate(FRICTIONS)]
     workers = max(1, min(workers or len(os.sched_getaffinity(0)), len(names)))
     shares = [[(trial, names[k::workers]) for trial in trials] for k in range(workers)]
     return _count(_in_processes([_worker(statics, share) for share in shares]))
 
 
 _Job = Callable[[Connection], None]
+_Trial = tuple[tuple[float, float], float, int]
+"""Friction between objects and with the table; [m] of jitter of where each body really is, and its seed."""
 
 
-def _worker(statics: Statics, share: Sequence[tuple[Trial, Sequence[str]]]) -> _Job:
+def _worker(statics: Statics, share: Sequence[tuple[_Trial, Sequence[str]]]) -> _Job:
     """A process's part of the lifts, each sent when it is done."""
 
     def work(out: Connection) -> None:
         serve()
-        for trial, names in share:
-            stage = Stage(rebuild(statics, trial.jitter, trial.seed), trial)
+        for (rough, jitter, seed), names in share:
+            stage = Stage(rebuild(statics, jitter, seed), *rough)
             for name in names:
                 out.send(_Lift(name, stage.sagged, stage.without(name)))
             stage.close()

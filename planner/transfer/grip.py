@@ -1,7 +1,6 @@
 """What a second hand does: it closes on an object where that is, keeps it there, and lets go of it there."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,25 +15,9 @@ from topple.planner.transfer.limits import TRANSFER_LIMITS
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.gripper import ToolState
 from topple.topology.base.arrays import FloatArray
 
 STAYS = Placement(np.eye(4), 1.0, "where it is")
-
-
-@dataclass(frozen=True, eq=False)
-class Grip:
-    """A way to hold an object where it is.
-
-    Attributes:
-        transfer: What the arm does until its hand is closed.
-        state: The grasp, with the joint values at which the arm then stands.
-        hand: How the hand stands then.
-    """
-
-    transfer: Transfer
-    state: Reached
-    hand: ToolState
 
 
 class Grips:
@@ -66,8 +49,8 @@ class Grips:
         hands = handling.hands(grasps[: TRANSFER_LIMITS.grasps], q_start, log)
         self.states = list(handling.reached(hands, False, log))
 
-    def proven(self, state: Reached) -> Grip | None:
-        """The grip that ends in one of the states, with proven motions; None, noted, where there are none."""
+    def proven(self, state: Reached) -> Transfer | None:
+        """What the arm does until its hand is closed in one of the states; None, noted, without a proof."""
         grasp, handling, limits = state.grasp, self._handling, TRANSFER_LIMITS
         approach = handling.approach(state, limits.approach, self._log)
         if approach.path is None or not approach.prove():
@@ -78,24 +61,23 @@ class Grips:
         ways = segments_of((move, approach), handling, grasp, STAYS, limits)
         hand = handling.hand(grasp).closed(grasp)
         close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, handling.name, ways[-1].may_touch)
-        reasons = dict(self._log.reasons)
-        return Grip(Transfer(handling.name, grasp, STAYS, (*ways, close), state.q, reasons), state, hand)
+        return Transfer(handling.name, grasp, STAYS, (*ways, close), state.q, dict(self._log.reasons))
 
 
-def letting_go(grip: Grip, handling: Handling) -> Transfer | TransferFailure:
+def letting_go(state: Reached, handling: Handling) -> Transfer | TransferFailure:
     """Open the hand and draw it back, the object being where it was.
 
     Args:
-        grip: How it is held.
+        state: How it is held.
         handling: What is asked about the object, everything being where it is by then.
     """
-    name, grasp, limits = grip.transfer.object, grip.state.grasp, TRANSFER_LIMITS
+    name, grasp, limits = handling.name, state.grasp, TRANSFER_LIMITS
     log = FailureLog(frozenset(handling.bodies) - {name})
-    back = handling.approach(grip.state, limits.retreat, log)
+    back = handling.approach(state, limits.retreat, log)
     if back.path is None:
         return log.failure(name)
     retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, STAYS), log)
-    if not retreat.straight(back.way[::-1], grip.state.q) or not retreat.prove():
+    if not retreat.straight(back.way[::-1], state.q) or not retreat.prove():
         return log.failure(name)
     ways = segments_of((retreat,), handling, grasp, STAYS, limits)
     return Transfer(name, grasp, STAYS, ways, retreat.way[-1], dict(log.reasons))

@@ -10,7 +10,7 @@ from topple.planner.building.standing import falling_in
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.suction import cup_shape
 from topple.planner.placement.resting import resting_poses
-from topple.planner.simulate.lifts import Stage, Trial
+from topple.planner.simulate.lifts import Stage
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.checks import Checks
@@ -55,7 +55,7 @@ def test_a_rebuilt_world_has_the_weight_where_it_is(world: World) -> None:
         pose = rebuilt.poses["plank"]
         there = pose[:3, :3] @ rebuilt.bodies["plank"].centre_of_mass + pose[:3, 3]
         assert np.allclose(there @ turn, centre, atol=1e-4)
-        stage = Stage(rebuilt, Trial(0.5, 0.5, 0.0, 0))
+        stage = Stage(rebuilt, 0.5, 0.5)
         assert (stage.sagged["plank"].distance < 0.01) == stays, "as PyBullet has it"
         stage.close()
 
