@@ -10,7 +10,7 @@ import itertools
 import re
 import tarfile
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from time import process_time
@@ -22,18 +22,20 @@ from scipy.spatial.transform import Rotation
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
 from topple.planner.motion.collision import Checker, Contact
-from topple.planner.motion.obstacles import Ball, Cuboid, Cylinder, Obstacle
 from topple.planner.motion.planner import Motion, plan_motion
 from topple.robots import robot
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.elements import numbers, origin_of
 from topple.robots.arm.gripper_file import ArmPart, GripperFile
-from topple.robots.arm.shapes import find_mesh, geometry_parts
+from topple.robots.arm.shapes import find_mesh, geometry_parts, prism
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.collision.convex import hull_of
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
+
+Primitive = tuple[str, Sequence[float], FloatArray]
+"""Kind, sizes [m] and pose (4, 4) in the world, as the problems have them."""
 
 ROBOTS = ("panda", "ur5", "fetch")
 QUICK = 10
@@ -78,12 +80,11 @@ def _rows_of(name: str, every: int, seed: int, progress: Progress, data: Path | 
         start = dict(zip(state["name"], state["position"], strict=True))
         ends = np.array([[given[joint] for joint in arm.joints] for given in (start, asked)])
         endless = [arm.model.joint(joint).kind == "continuous" for joint in arm.joints]
-        ends[:, endless] = (ends[:, endless] + np.pi) % (
-            2.0 * np.pi
-        ) - np.pi  # rounded, some lie beyond a turn
+        # rounded, some lie beyond a turn
+        ends[:, endless] = (ends[:, endless] + np.pi) % (2.0 * np.pi) - np.pi
         obstacles = dict(_obstacles(scene))
         before = process_time()
-        checker = Checker(arm, np.eye(4), obstacles)
+        checker = Checker(arm, np.eye(4), {each: [polyhedron(*shape)] for each, shape in obstacles.items()})
         motion = plan_motion(checker, ends[0], ends[1:], seed=seed)
         seconds.append(process_time() - before)
         if isinstance(motion, Motion) and motion.certificate is not None and motion.certificate.proven:
@@ -125,18 +126,24 @@ def _problems(archive: Path, every: int) -> Iterator[tuple[str, int, Any, Any]]:
         yield kind, number, *(yaml.load(texts[each], loader) for each in ("scene", "request"))
 
 
-def _obstacles(scene: Any) -> Iterator[tuple[str, Obstacle]]:
+def _obstacles(scene: Any) -> Iterator[tuple[str, Primitive]]:
     for each in scene["world"]["collision_objects"]:
         whole = _pose(each["pose"]) if "pose" in each else np.eye(4)
         for k, (shape, place) in enumerate(zip(each["primitives"], each["primitive_poses"], strict=True)):
-            sizes, pose = shape["dimensions"], whole @ _pose(place)
-            name = f"{each['id']} {k}"
-            if shape["type"] == "box":
-                yield name, Cuboid(np.array(sizes, dtype=float), pose)
-            elif shape["type"] == "cylinder":
-                yield name, Cylinder(float(sizes[1]), float(sizes[0]), pose)
-            else:
-                yield name, Ball(pose[:3, 3], float(sizes[0]))
+            yield f"{each['id']} {k}", (shape["type"], shape["dimensions"], whole @ _pose(place))
+
+
+def polyhedron(kind: str, sizes: Sequence[float], pose_to_world: FloatArray) -> FloatArray:
+    """(V, 3) corners in the world [m] of a body around a primitive, at most 2 % wider."""
+    import trimesh
+
+    if kind == "box":
+        corners = trimesh.creation.box(sizes).vertices
+    elif kind == "cylinder":
+        corners = prism(sizes[1], sizes[0])
+    else:  # an icosphere lies inside the ball: scaled so that its faces do not
+        corners = trimesh.creation.icosphere(subdivisions=2, radius=1.02 * sizes[0]).vertices
+    return transformed(np.asarray(corners, dtype=float), pose_to_world)
 
 
 def _pose(given: Any) -> FloatArray:
@@ -145,13 +152,13 @@ def _pose(given: Any) -> FloatArray:
     return pose
 
 
-def _touches(arm: Arm, q: FloatArray, contact: Contact, obstacles: Mapping[str, Obstacle]) -> bool:
+def _touches(arm: Arm, q: FloatArray, contact: Contact, obstacles: Mapping[str, Primitive]) -> bool:
     """Whether two things that touch by their convex parts do by the meshes themselves."""
     import fcl
 
     there = dict(zip(arm.links, arm.forward(q)[0], strict=True))
     sides = [
-        [_primitive(obstacles[name])] if name in obstacles else [
+        [_primitive(*obstacles[name])] if name in obstacles else [
             fcl.CollisionObject(mesh, fcl.Transform(there[name][:3, :3], there[name][:3, 3]))
             for mesh in _meshes(arm.model.path, name)
         ]
@@ -188,13 +195,8 @@ def _meshes(path: Path, link: str) -> list[Any]:
     return found
 
 
-def _primitive(obstacle: Obstacle) -> Any:
+def _primitive(kind: str, sizes: Sequence[float], pose: FloatArray) -> Any:
     import fcl
 
-    if isinstance(obstacle, Ball):
-        return fcl.CollisionObject(fcl.Sphere(obstacle.radius), fcl.Transform(np.eye(3), obstacle.centre))
-    assert isinstance(obstacle, Cuboid | Cylinder)
-    box = isinstance(obstacle, Cuboid)
-    shape = fcl.Box(*obstacle.size) if box else fcl.Cylinder(obstacle.radius, obstacle.length)
-    pose = obstacle.pose_to_world
-    return fcl.CollisionObject(shape, fcl.Transform(pose[:3, :3], pose[:3, 3]))
+    made = {"box": fcl.Box, "cylinder": lambda length, radius: fcl.Cylinder(radius, length)}
+    return fcl.CollisionObject(made.get(kind, fcl.Sphere)(*sizes), fcl.Transform(pose[:3, :3], pose[:3, 3]))

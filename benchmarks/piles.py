@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.simulate.lift import Move
-from topple.planner.simulate.lifts import label, set_friction, take_away
+from topple.planner.simulate.lifts import set_friction, take_away
 from topple.planner.simulate.tolerances import FRICTIONS
 from topple.robots import shapes
 from topple.robots.engine import pybullet
@@ -231,3 +231,16 @@ def _seen(
         found.append(points[seen] + (lines / far[:, None])[seen] * noise[:, None])
     every = np.concatenate(found)
     return every[rng.permutation(len(every))]
+
+
+def label(moves: list[Mapping[str, Move]], name: str) -> int | None:
+    """Did an object have to go first: 1 yes, 0 no, None too close to call.
+
+    Args:
+        moves: What moved, once per friction.
+        name: The object asked about.
+    """
+    shares = [each[name].share for each in moves]
+    if min(shares) > 1.0 and max(shares) > 1.5:
+        return 1
+    return 0 if max(shares) <= 1.0 and sum(share > 0.6 for share in shares) <= 1 else None

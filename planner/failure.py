@@ -83,6 +83,12 @@ class TransferFailure:
     furthest: FailedCheck | None = None
     barring: Mapping[str, int] = field(default_factory=dict[str, int])
 
+    @staticmethod
+    def no_place(name: str, text: str, barring: Mapping[str, int] | None = None) -> "TransferFailure":
+        """That an object has no place to go to, for a reason in words."""
+        failed, first = FailedCheck("place", Check.ROOM, text), next(iter(barring or {}), None)
+        return TransferFailure(name, {text: 1}, first, failed, barring or {})
+
     def __str__(self) -> str:
         """One sentence: what bars the try that got furthest, what most others fail of, what would help."""
         return "; ".join(filter(None, (f"cannot move {self.object}: {self._obstacle()}", self._help())))

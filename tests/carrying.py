@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.planner.formats.arm_motion import ArmMotion, Carry
+from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.motion.trajectory import Trajectory
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.robots.arm.gripper import ToolState
@@ -23,4 +23,4 @@ def carried(name, arm):
         Segment(SegmentKind.LIFT, "fingers", narrow, Trajectory(times, down[::-1], 0.0 * down), name),
         Segment(SegmentKind.RELEASE, "fingers", wide, None, None),
     ]
-    return ArmMotion.of(arm, np.eye(4), [Carry(drives, [name], np.array([0.0, 0.0, -0.05]))])
+    return ArmMotion.of(arm, np.eye(4), [(drives, [name], np.array([0.0, 0.0, -0.05]))])

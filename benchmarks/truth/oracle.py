@@ -9,8 +9,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from topple.benchmarks.piles import label
 from topple.planner.simulate.lift import Move, move_between
-from topple.planner.simulate.lifts import label, set_friction
+from topple.planner.simulate.lifts import set_friction
 from topple.planner.simulate.tolerances import FRICTIONS, LIFT, SETTLE, SPEED
 from topple.robots.engine import pybullet
 from topple.robots.world.world import World

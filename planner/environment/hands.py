@@ -6,7 +6,6 @@ import numpy as np
 
 from topple.planner.environment.tolerances import CLEARANCE, FALLEN, NEAR, SETTLE
 from topple.planner.simulate.lift import lift, move_between
-from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
 
@@ -54,9 +53,9 @@ def put(world: PhysicalWorld, name: str, where: str) -> tuple[str, ...]:
 def _disturbed(world: PhysicalWorld, name: str, before: Mapping[str, FloatArray]) -> tuple[str, ...]:
     """Wait until all is at rest, take out what fell off the table, and name what else was disturbed."""
     world.settle(SETTLE)
-    after, turned = world.poses(), float(np.degrees(TURNED))
+    after = world.poses()
     others = [other for other in before if other != name]
-    found = [o for o in others if move_between(world, o, before[o], after[o]).beyond(DISTURBED, turned)]
+    found = [o for o in others if move_between(world, o, before[o], after[o]).share > 1.0]
     for other, pose in after.items():
         if pose[2, 3] < FALLEN:
             world.remove(other)

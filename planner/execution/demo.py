@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import plan_to_json
-from topple.planner.planning.step import Orderer, Station, Task, order_by
+from topple.planner.planning.step import Context, Orderer, Station, Task, order_by
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
 from topple.planner.report.run_page import run_page
@@ -123,9 +124,8 @@ def demo(
                 record, whole = replace(record, stopped=INTERRUPTED), None
         if whole is None and not two:
             arm, goal = robot_named(robot), loop.task.goal(first.scene)
-            whole = plan_as_done(
-                first.scene, goal, Station(arm, base, arm.home), loop.followed, seed, fixture
-            )
+            context = Context(Station(arm, base, arm.home), seed=seed, clamped=fixture)
+            whole = plan_as_done(first.scene, goal, context, loop.followed)
         decided = _decided_by(record, first, stage, orderer, seed)
     texts = (
         _text(first.relations.to_json()),
@@ -155,16 +155,10 @@ def loop_in(
     robot: str | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
-    shuffle_labels: bool = False,
-    wrist_camera: bool = False,
-    ahead: bool = False,
     clamped: Collection[str] = (),
-    photos: bool = False,
-    orderer: Orderer = cautious,
-    relate: Relate | None = None,
     alone: bool = False,
     seed: int = 0,
-    progress: Progress | None = None,
+    **more: Any,
 ) -> ClosedLoop:
     """Puts an arm into a built-in scene, with a loop that reaches the scene's goal.
 
@@ -173,16 +167,10 @@ def loop_in(
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
-        shuffle_labels: Whether names of objects are not kept between looks.
-        wrist_camera: Whether the arm carries a camera for a second look before a doubtful step.
-        ahead: Whether the next step is chosen while the arm acts.
         clamped: What a fixture keeps where it stands; there is one arm then.
-        photos: Whether photos for people are taken at every look, for a report.
-        orderer: What decides the order.
-        relate: What relates what is seen, a function of the scene; topple's own rule where None.
         alone: Whether there is one arm, also where the scene is made for two.
         seed: Of the sensor noise and every search.
-        progress: Called with a line before and after each action.
+        **more: As for `ClosedLoop.simulated`: orderer, relate, ahead, photos, progress and others.
 
     Returns:
         The loop, to be run.
@@ -201,17 +189,11 @@ def loop_in(
         task_in(stage, eyes, seed),
         fixed=stage.fixed,
         up=stage.up,
-        orderer=orderer,
-        relate=relate,
         seed=seed,
-        progress=progress,
-        shuffle_labels=shuffle_labels,
-        wrist_camera=wrist_camera,
-        ahead=ahead,
-        photos=photos,
         wanted=None if stage.finished is None else stage.finished.poses(),
         second=None if there is None else arm_in(stage.world, arm, there, first),
         fixture=fixture_in(stage.world, clamped),
+        **more,
     )
 
 

@@ -22,7 +22,7 @@ from topple.planner.execution.tolerances import (
     STILL,
     TOUCHDOWN,
 )
-from topple.planner.formats.arm_motion import ArmMotion, Carry
+from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.grasp.tolerances import RELEASE_GAP
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -92,7 +92,7 @@ def execute(
     """
     done: list[Segment] = []
     ended: list[Segment] = []
-    watch = watch or _nobody
+    watch = watch or (lambda moment, tool: None)
     resumed: list[str] = []
     problem, moved = None, dict[str, float]()
     try:
@@ -169,10 +169,6 @@ def _way_back(path: Motion, q: FloatArray) -> Trajectory:
     come = max(int(np.abs(path.positions - q).max(axis=1).argmin()) + 1, 2)
     positions, velocities = path.positions[:come][::-1], -path.velocities[:come][::-1]
     return Trajectory(path.times[:come], positions, velocities)
-
-
-def _nobody(_moment: str, _tool: str) -> None:
-    """Nothing looks on."""
 
 
 def go_home(robot: Driver, solids: Solids, seed: int) -> None:
@@ -317,5 +313,5 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
 
 def _motion(transfer: Transfer, ended: list[Segment], robot: Driver) -> ArmMotion | None:
     """How the arm went through the segments that it came to the end of."""
-    carry = Carry(ended, (transfer.object, *transfer.riding))
+    carry = ended, (transfer.object, *transfer.riding), np.zeros(3)
     return ArmMotion.of(robot.arm, robot.pose_base_to_world, [carry])

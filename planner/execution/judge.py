@@ -9,7 +9,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.execute import MISSED, TAKEN
 from topple.planner.execution.goal_poses import off_goal_poses
-from topple.planner.execution.monitor import Verdict
+from topple.planner.formats.run_record import Verdict
 from topple.planner.placement.away import BODIES, IN_HAND, Away
 from topple.planner.stability.state import State
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
@@ -51,7 +51,6 @@ class Judge:
         robot: The arm in its world.
         fixed: Names that never move.
         up: (3,) unit vector against gravity.
-        limits: From where on it counts.
         wanted: Where things shall lie in the end, as (4, 4) true poses by name; where None, by the goal.
         second: The arm beside it that holds things, if any.
     """
@@ -61,13 +60,12 @@ class Judge:
         robot: ActingArm,
         fixed: Collection[str],
         up: FloatArray,
-        limits: Limits = LIMITS,
         wanted: Mapping[str, FloatArray] | None = None,
         second: ActingArm | None = None,
     ) -> None:
         self._arms = (robot,) if second is None else (robot, second)
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
-        self._limits, self._wanted, self._first = limits, wanted, robot.world.poses()
+        self._wanted, self._first = wanted, robot.world.poses()
         self._gone: set[str] = set()  # handed on, or in a bin: no more of what the goal is about
         self._rested: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
 
@@ -108,31 +106,31 @@ class Judge:
         self._robot.on_step.remove(self._track_height)
         before, now, handled = self._before, self._world.poses(), self._handled
         touched = self._touched()
-        wrong = [*violations(before, now, {}, handled, self._limits), *hits(touched, self._limits)]
+        wrong = [*violations(before, now, handled), *hits(touched)]
         fallen = self._highest - self._height() if self._missed else 0.0
-        dropped = fallen > self._limits.drop
+        dropped = fallen > LIMITS.drop
         if dropped:
             wrong.append(f"it was dropped by {100 * fallen:.0f} cm")
         tipped = tilts(before, now, self._fixed)[self._name] if self._missed else 0.0
-        if tipped > self._limits.angle:
+        if tipped > LIMITS.angle:
             wrong.append(f"it was tipped by {np.degrees(tipped):.0f} degrees in a failed attempt")
         if not self._missed and self._how in (*IN_HAND, Away.BIN):
             self._gone.add(self._name)
             if self._how is Away.BIN and not State.of(self._world).within(self._name, BODIES[Away.BIN]):
                 wrong.append("it is not in the bin")
-        moves, limits = displacements(before, now, handled), self._limits
+        moves = displacements(before, now, handled)
         wrong += self._crept(now, moves)
-        far = [name for name, (way, turn) in moves.items() if way > limits.distance or turn > limits.angle]
+        far = [name for name, (way, turn) in moves.items() if way > LIMITS.distance or turn > LIMITS.angle]
         return Verdict(
-            tuple(wrong),
-            moves,
-            {name: self._fall(name, before[name], now[name]) for name in far},
-            tilts(before, now, handled),
-            {other: touch.force for other, touch in touched.items()},
-            {other: touch.impulse for other, touch in touched.items()},
-            self._slip,
-            dropped,
-            self._world.time - self._started,
+            violations=tuple(wrong),
+            disturbed=moves,
+            severity={name: self._fall(name, before[name], now[name]) for name in far},
+            tilts=tilts(before, now, handled),
+            forces={other: touch.force for other, touch in touched.items()},
+            impulses={other: touch.impulse for other, touch in touched.items()},
+            slip=self._slip,
+            dropped=dropped,
+            robot_seconds=self._world.time - self._started,
         )
 
     def _fall(self, name: str, before: FloatArray, now: FloatArray) -> tuple[float, float]:
@@ -154,13 +152,12 @@ class Judge:
     def _crept(self, now: Mapping[str, FloatArray], at_once: Mapping[str, tuple[float, float]]) -> list[str]:
         """One sentence for each thing that moved by as much as counts in several actions, in none at once."""
         found: list[str] = []
-        limits = self._limits
         for name, (way, angle) in displacements(self._rested, now, self._handled).items():
-            if way <= limits.distance and angle <= limits.angle:
+            if way <= LIMITS.distance and angle <= LIMITS.angle:
                 continue
             self._rested[name] = now[name]  # said once
             once, turned = at_once[name]
-            if once <= limits.distance and turned <= limits.angle:
+            if once <= LIMITS.distance and turned <= LIMITS.angle:
                 by = f"{way * 1000:.0f} mm and {np.degrees(angle):.0f} degrees"
                 found.append(f"{name} has crept by {by} since it was last handled")
         self._rested.update({name: now[name] for name in self._handled if name in now})
@@ -181,7 +178,7 @@ class Judge:
             wanted = {name: pose @ self._first[name] for name, pose in goal.poses.items()}
         return (
             *truly_unmet(goal, self._world, self._up),
-            *off_goal_poses(self._world, wanted, self._up, self._limits.distance, self._limits.angle),
+            *off_goal_poses(self._world, wanted, self._up, LIMITS.distance, LIMITS.angle),
         )
 
 
@@ -209,43 +206,35 @@ def displacements(
 
 
 def violations(
-    before: Mapping[str, FloatArray],
-    after: Mapping[str, FloatArray],
-    touched: Mapping[str, Touch],
-    handled: Collection[str],
-    limits: Limits = LIMITS,
+    before: Mapping[str, FloatArray], after: Mapping[str, FloatArray], handled: Collection[str]
 ) -> list[str]:
-    """One sentence for each object that moved, turned, fell or was hit though it was not handled.
+    """One sentence for each object that moved, turned or fell though it was not handled.
 
     Args:
         before: Poses (4, 4) by name.
         after: Poses (4, 4) by name.
-        touched: What the robot touched in between, by name.
         handled: Names that the action was about.
-        limits: From where on it counts.
     """
     found: list[str] = []
     for name, (distance, angle) in displacements(before, after, handled).items():
         drop = float(before[name][2, 3] - after[name][2, 3])
-        if distance > limits.distance and drop > limits.fall:
+        if distance > LIMITS.distance and drop > LIMITS.fall:
             found.append(f"{name} fell by {drop * 100:.0f} cm")
-        elif distance > limits.distance or angle > limits.angle:
+        elif distance > LIMITS.distance or angle > LIMITS.angle:
             found.append(f"{name} moved {distance * 1000:.0f} mm and turned {np.degrees(angle):.0f} degrees")
-    others = {name: touch for name, touch in touched.items() if name not in handled}
-    return [*found, *hits(others, limits)]
+    return found
 
 
-def hits(touched: Mapping[str, Touch], limits: Limits = LIMITS) -> list[str]:
+def hits(touched: Mapping[str, Touch]) -> list[str]:
     """One sentence for each object that was pressed by a robot that was not to handle it.
 
     Args:
         touched: What a robot touched, by name.
-        limits: From where on it counts.
     """
     return [
         f"{name} was hit by {', '.join(sorted(touch.links))} with {touch.force:.0f} N"
         for name, touch in touched.items()
-        if touch.force > limits.hit
+        if touch.force > LIMITS.hit
     ]
 
 

@@ -46,13 +46,6 @@ class LiftMonitor:
     situation: Situation
     named: Collection[str]
 
-    @classmethod
-    def of(
-        cls, stream: object, images: Sequence[DepthImage], situation: Situation, named: Collection[str]
-    ) -> "LiftMonitor | None":
-        """The same, or None where nothing is to be watched or no stream of pictures is there."""
-        return cls(stream, images, situation, named) if named and isinstance(stream, CameraStream) else None
-
     def detector(self, transfer: Transfer, robot: Driver, path: FloatArray) -> "ChangeDetector":
         """What detects changes of what stays while an arm with an object goes along a path (k, n)."""
         carried = (transfer.object, *transfer.riding)

@@ -13,7 +13,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, taken_over
 from topple.planner.execution.judge import Judge
-from topple.planner.execution.lift_monitor import LiftMonitor, neighbours_to_watch
+from topple.planner.execution.lift_monitor import CameraStream, LiftMonitor, neighbours_to_watch
 from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected, without
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.prepare import Preparer
@@ -28,7 +28,7 @@ from topple.planner.placement.away import IN_HAND, Away, Receiver
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.holding import check_second
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import NextStep, Orderer, Task
+from topple.planner.planning.step import Context, NextStep, Orderer, Task
 from topple.planner.transfer.prediction import after
 from topple.robots.driver import Driver, Fixture
 from topple.robots.world.acting_arm import ActingArm
@@ -102,10 +102,10 @@ class ClosedLoop:
 
     def __post_init__(self) -> None:
         task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed, self.fixture)
-        self._selector = StepSelector(
-            task, self._arms, self.orderer, self.grasps, self.seed, self.limits.attempts
+        asked = Context(
+            self._arms.stations[0], orderer=self.orderer, grasps=self.grasps, seed=self.seed, away=self.away
         )
-        self._selector.away = self.away
+        self._selector = StepSelector(task, self._arms, asked, self.limits.attempts)
         self.followed: list[NextStep] = []
         self._started = 0.0
         self._gone: set[str] = set()
@@ -182,18 +182,11 @@ class ClosedLoop:
             [robot] if second is None else [robot, second],
         )  # fmt: skip
         wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
+        judge = Judge(robot, fixed, up, wanted=wanted, second=second)
         return cls(
-            robot,
-            perception,
-            goal,
-            seed=seed,
-            judge=Judge(robot, fixed, up, wanted=wanted, second=second),
-            wrist=wrist,
-            second=second,
-            away=away,
-            hand_on=partial(taken_over, world, robot),
-            **more,
-        )
+            robot, perception, goal, seed=seed, judge=judge, wrist=wrist, second=second, away=away,
+            hand_on=partial(taken_over, world, robot), **more,
+        )  # fmt: skip
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -229,9 +222,9 @@ class ClosedLoop:
                 look, chosen, said = self._looked_closer(look, chosen, goal)
                 if chosen is None:
                     break
-                step, look, found = self._act(look, chosen, goal)
+                step, look = self._act(look, chosen, goal)
                 steps.append(replace(step, events=(*said, *step.events)))
-                wrong += found
+                wrong += [f"{step.object}: {text}" for text in step.violations]
                 if self._stuck:  # whatever the arm did next, it would drag along what it holds
                     raise ArmFault(self._stuck.rstrip("."))
                 self._check_place(look)
@@ -239,11 +232,8 @@ class ClosedLoop:
             if chosen is not None:
                 stopped = "budget"
                 wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
-        except NoSafePlan as error:
-            stopped = "no plan"
-            wrong.append(str(error))
-        except ArmFault as error:
-            stopped = "arm"
+        except (NoSafePlan, ArmFault) as error:
+            stopped = "no plan" if isinstance(error, NoSafePlan) else "arm"
             wrong.append(str(error))
         except ToppleError as error:
             stopped = "blind"
@@ -293,7 +283,7 @@ class ClosedLoop:
         if (words := misplaced(self.robot, look.images, look.scene)) is not None:
             raise ArmFault(words)
 
-    def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look, list[str]]:
+    def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look]:
         """Does one step, looks again and judges it."""
         started, name = time.perf_counter(), chosen.transfer.object
         events = self._announced(chosen)
@@ -325,13 +315,10 @@ class ClosedLoop:
             stopped_by=outcome.moved,
             success=outcome.success,
             attempts=attempts,
-            disturbed=verdict.disturbed,
-            severity=verdict.severity,
             relations_as_predicted=not different,
             seconds=time.perf_counter() - started,
             reason=f"{chosen.reason}; {outcome.text}",
             events=tuple(events),
-            robot_seconds=verdict.robot_seconds,
             picture_before=look.picture,
             picture_after=seen.picture,
             photo=look.photo,
@@ -342,14 +329,10 @@ class ClosedLoop:
             observed=seen.relations.to_json(),
             tool_path=outcome.tool_path,
             motion=outcome.motion,
-            tilts=verdict.tilts,
-            slip=verdict.slip,
-            dropped=verdict.dropped,
-            forces=verdict.forces,
-            impulses=verdict.impulses,
+            **vars(verdict),
         )
         self._say(f"{name}: {outcome.text}")
-        return step, seen, [f"{name}: {text}" for text in verdict.violations]
+        return step, seen
 
     def _announced(self, chosen: NextStep) -> list[str]:
         """Says what a step changes, then which it is: on a terminal the line that counts stays."""
@@ -367,7 +350,9 @@ class ClosedLoop:
         named = neighbours_to_watch(look.situation, chosen.order, name) - self._selector.moved_with(name)
         held = None if grip is None else grip.object
         named = set[str]() if held == name else named - {*chosen.transfer.riding, held}  # it would not stand
-        monitor = LiftMonitor.of(self.perception, look.images, look.situation, named)
+        stream, monitor = self.perception, None
+        if named and isinstance(stream, CameraStream):
+            monitor = LiftMonitor(stream, look.images, look.situation, named)
         outcome = self._arms.carry_out(chosen, self.judge.moment, monitor)
         foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
         how = chosen.transfer.placement.how

@@ -1,13 +1,13 @@
 """What a run remembers of its actions: what was done, what failed, and what the looks made of the scene."""
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Action
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.planning.step import Context, NextStep, Orderer, Station
+from topple.planner.planning.step import Context, NextStep
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,16 +90,12 @@ class Memory:
         changed = {*changed, *(handled if success else ())}
         return replace(self, beliefs=beliefs.taught(changed, moved, chosen.transfer.object))
 
-    def context(
-        self, station: Station, orderer: Orderer, grasps: Mapping[str, Sequence[Grasp]], seed: int, most: int
-    ) -> Context:
+    def context(self, asked: Context, most: int) -> Context:
         """What the next step is chosen in.
 
         Args:
-            station: The arm as it stands.
-            orderer: What decides the order.
-            grasps: Grasps of the caller's own by object; they count until the object was tried.
-            seed: Of the run.
+            asked: The same without what is remembered. Grasps of the caller's own count until the object was
+                tried.
             most: Failed attempts at one object after which it is given up, or twice as many in all.
         """
         given_up = {
@@ -107,8 +103,8 @@ class Memory:
             for name, n in self.attempts.items()
             if self.failures(name) >= most or n >= 2 * most
         }
-        own = {name: some for name, some in grasps.items() if name not in self.tried}
-        return Context(
-            station, self.done, observed=True, given_up=given_up, avoid=self.failed, placed=self.placed,
-            beliefs=self.beliefs, orderer=orderer, grasps=own, seed=seed + self.attempts.total(),
+        own = {name: some for name, some in asked.grasps.items() if name not in self.tried}
+        return replace(
+            asked, done=self.done, observed=True, given_up=given_up, avoid=self.failed, placed=self.placed,
+            beliefs=self.beliefs, grasps=own, seed=asked.seed + self.attempts.total(),
         )  # fmt: skip

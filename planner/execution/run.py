@@ -104,27 +104,15 @@ def run(
         to_world = stage.pose_scene_to_world
         there = None if second_base is None else to_world @ as_pose(second_base, "second_base")
         receiver = Destination.of(away).at(Situation(scene), inverse(to_world) @ stage.pose_base_to_world)
+        eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
         loop = ClosedLoop.simulated(
-            stage.world,
-            acting,
-            [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
-            task.in_frame(to_world, Z),
-            fixed=tuple(sorted(stage.world.fixed)),
-            seed=seed,
-            orderer=orderer,
-            relate=relate,
+            stage.world, acting, eyes, task.in_frame(to_world, Z), fixed=tuple(sorted(stage.world.fixed)),
             grasps={n: [grasp.moved(to_world) for grasp in some] for n, some in own.items()},
-            progress=progress,
-            masses=scene.masses,
-            friction=scene.friction,
-            shuffle_labels=shuffle_labels,
-            wrist_camera=wrist_camera,
-            ahead=ahead,
-            photos=photos,
+            masses=scene.masses, friction=scene.friction, fixture=stage.fixture,
             second=None if there is None else arm_in(stage.world, arm, there, acting),
-            fixture=stage.fixture,
-            away=receiver and receiver.moved(to_world),
-        )
+            away=receiver and receiver.moved(to_world), wrist_camera=wrist_camera, ahead=ahead, photos=photos,
+            shuffle_labels=shuffle_labels, orderer=orderer, relate=relate, seed=seed, progress=progress,
+        )  # fmt: skip
         eye = stage.cameras[0]
         with filmed(video, acting, eye), demonstrated(lerobot, acting, eye) as demonstration:
             record = loop.run()

@@ -14,10 +14,8 @@ from topple.planner.execution.memory import Memory
 from topple.planner.execution.prepare import Preparer, Question
 from topple.planner.execution.tolerances import AT_HOME, STUCK
 from topple.planner.execution.two_arms import TwoArms
-from topple.planner.grasp.given import GraspsByObject
 from topple.planner.motion.collision import Checker
-from topple.planner.placement.away import Receiver
-from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Task
+from topple.planner.planning.step import Chooser, Context, NextStep, Task
 from topple.topology.base.arguments import checked_arguments
 
 
@@ -47,30 +45,17 @@ class StepSelector:
     Args:
         task: What is to be reached.
         arms: The arms.
-        orderer: What decides the order.
-        grasps: Grasps of the caller's own by object, in the world.
-        seed: Of every search.
+        asked: What the steps are chosen in, but for how the arms stand and what is remembered.
         attempts: Tries at one object before it is given up, until another one was taken away.
 
     Attributes:
         task: What is to be reached, with what was learned while a step was prepared.
         preparer: What prepares the next step while the arm acts; by default nothing does.
         prepared: The step selected last where it was prepared, else None.
-        away: Where things go that are taken; to free places on what is seen where None.
     """
 
-    def __init__(
-        self,
-        task: Task,
-        arms: TwoArms,
-        orderer: Orderer,
-        grasps: GraspsByObject,
-        seed: int,
-        attempts: int,
-    ) -> None:
-        self.task, self._arms = task, arms
-        self._orderer, self._grasps, self._seed, self._attempts = orderer, grasps, seed, attempts
-        self.away: Receiver | None = None
+    def __init__(self, task: Task, arms: TwoArms, asked: Context, attempts: int) -> None:
+        self.task, self._arms, self._asked, self._attempts = task, arms, asked, attempts
         self.preparer = Preparer(False)
         self.prepared: NextStep | None = None
         self._memory = Memory()
@@ -207,15 +192,9 @@ class StepSelector:
 
     def _context(self, memory: Memory) -> Context:
         """What a step is chosen in, with the arms as they stand."""
-        station, second = self._arms.stations
-        context = memory.context(station, self._orderer, self._grasps, self._seed, self._attempts)
-        return replace(
-            context,
-            second=second,
-            obstacles={
-                **self._arms.obstacles(self._arms.first),
-                **({} if self.away is None else self.away.bodies),
-            },
-            away=self.away,
-            clamped=self._arms.clamped,
+        (station, second), away = self._arms.stations, self._asked.away
+        bodies = {**self._arms.obstacles(self._arms.first), **({} if away is None else away.bodies)}
+        asked = replace(
+            self._asked, station=station, second=second, obstacles=bodies, clamped=self._arms.clamped
         )
+        return memory.context(asked, self._attempts)

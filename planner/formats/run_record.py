@@ -23,8 +23,35 @@ Document = Mapping[str, Any]
 """A JSON document of the contract (`topple.relations`, `topple.order`), as its `to_json()` gives it."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Verdict(ByValue):
+    """What one action did besides what it was meant to do.
+
+    Attributes:
+        violations: One sentence for each thing that was moved, turned, dropped or hit.
+        disturbed: Distance [m] and angle [rad] by which everything that was not handled moved, by name.
+        severity: How far the middle of what moved by more than counts fell [m], and with which energy [J].
+        tilts: How far the others were tipped, turns about the vertical left out [rad], by name.
+        forces: Largest contact force of the robot on an object not handled [N], by name.
+        impulses: What that contact amounted to over time [N s], by name.
+        slip: Distance [m] and angle [rad] by which the object moved in the hand; None where it was not held.
+        dropped: Whether the object fell out of the hand, further than crockery survives.
+        robot_seconds: Simulated time the arm moved; None where not measured.
+    """
+
+    violations: tuple[str, ...] = ()
+    disturbed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    severity: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    tilts: Mapping[str, float] = field(default_factory=dict[str, float])
+    forces: Mapping[str, float] = field(default_factory=dict[str, float])
+    impulses: Mapping[str, float] = field(default_factory=dict[str, float])
+    slip: tuple[float, float] | None = None
+    dropped: bool = False
+    robot_seconds: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
-class StepRecord(ByValue):
+class StepRecord(Verdict):
     """One action of the arm: what was seen before it, what it did, what was seen after it.
 
     Attributes:
@@ -32,8 +59,6 @@ class StepRecord(ByValue):
         action: What was done, in a word or two ("take off and put down", "lift clear").
         success: The action did what it was meant to.
         attempts: Tries it took, 1 where the first one worked.
-        disturbed: What else moved: name -> (distance [m], turn [rad]), objects not handled only.
-        severity: How far the middle of what moved by more than counts fell [m], and with which energy [J].
         relations_as_predicted: The relations seen afterwards are those the plan predicted.
         seconds: Wall-clock time of the step, planning and looking included.
         stopped_by: What was seen to move as the object was lifted: name -> how far [m]; it was put back then.
@@ -41,7 +66,6 @@ class StepRecord(ByValue):
             began to move [s], None where not measured.
         prepared: Whether it was chosen while the arm did the step before.
         reason: Why this object and why now, and what was tried where it went wrong; plain sentences.
-        robot_seconds: Simulated time the arm moved, None where not measured.
         picture_before: PNG bytes of the camera's view before the action, or None.
         picture_after: PNG bytes of the camera's view after it, or None.
         photo: The view before the action as it was taken for people, with its masks, or None.
@@ -52,11 +76,6 @@ class StepRecord(ByValue):
         observed: `topple.relations` document of what was seen after the action, or None.
         tool_path: (k, 3) path of the tool centre point during the action [m, the scene's frame], or None.
         motion: How the arm moved, as planned, or None.
-        forces: Largest contact force of the robot on an object not handled: name -> [N].
-        impulses: What that contact amounted to over time: name -> [N s].
-        tilts: How far the others were tipped, turns about the vertical left out: name -> [rad].
-        slip: Distance [m] and angle [rad] by which the object moved in the hand, None where it was not held.
-        dropped: The object fell out of the hand, further than crockery survives.
         events: What was not as planned and what followed from it, in sentences: another grasp, a new look,
             something newly seen, hidden or moved.
         fallbacks: What was tried to find the action where the plain way failed: see
@@ -67,12 +86,9 @@ class StepRecord(ByValue):
     action: str
     success: bool
     attempts: int = 1
-    disturbed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
-    severity: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     relations_as_predicted: bool = True
     seconds: float = 0.0
     reason: str = ""
-    robot_seconds: float | None = None
     picture_before: bytes | None = None
     picture_after: bytes | None = None
     photo: Photo | None = None
@@ -83,11 +99,6 @@ class StepRecord(ByValue):
     observed: Document | None = None
     tool_path: FloatArray | None = None
     motion: ArmMotion | None = None
-    forces: Mapping[str, float] = field(default_factory=dict[str, float])
-    impulses: Mapping[str, float] = field(default_factory=dict[str, float])
-    tilts: Mapping[str, float] = field(default_factory=dict[str, float])
-    slip: tuple[float, float] | None = None
-    dropped: bool = False
     events: tuple[str, ...] = ()
     fallbacks: tuple[str, ...] = ()
     waited: float | None = None
@@ -101,9 +112,7 @@ class StepRecord(ByValue):
             "action": self.action,
             "success": self.success,
             "attempts": self.attempts,
-            "disturbed": {
-                name: [float(moved), float(turned)] for name, (moved, turned) in self.disturbed.items()
-            },
+            "disturbed": {name: list(map(float, move)) for name, move in self.disturbed.items()},
             "severity": _severity(self.severity),
             "relations_as_predicted": self.relations_as_predicted,
             "seconds": round(self.seconds, 3),

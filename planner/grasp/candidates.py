@@ -9,7 +9,7 @@ import numpy as np
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.shape import Shape, Sought, coming_unseen, shapes_of
 from topple.planner.grasp.surroundings import Dropped
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -27,7 +27,6 @@ def grasp_candidates(
     wide: bool = False,
     limit: int = 60,
     enough: float = np.inf,
-    tolerances: GraspTolerances = GRASP_TOLERANCES,
     dropped: Dropped | None = None,
 ) -> list[Grasp]:
     """Find where an object can be taken hold of in its present surroundings.
@@ -47,7 +46,6 @@ def grasp_candidates(
         limit: At most so many, spread over the object.
         enough: Once so many pinches are found that brush by nothing no further points of the object are
             tried: those around its centre of mass come first.
-        tolerances: Clearances and limits.
         dropped: Takes down what is left out and why, if given.
 
     Returns:
@@ -67,7 +65,7 @@ def grasp_candidates(
     if not tools:
         raise InvalidInput("nothing to grasp with: give an arm with tools, or tools")
     dropped = Dropped() if dropped is None else dropped
-    sought = Sought.of(name, situation, tolerances, dropped, enough)
+    sought = Sought.of(name, situation, dropped, enough)
     mass, friction = scene.masses.get(name), scene.friction.get(name)
     strong = list[Shape]()
     for shape in tools:
@@ -77,10 +75,10 @@ def grasp_candidates(
             strong.append(shape)
     found: list[Grasp] = []
     for shape in strong:
-        sealed = sum(grasp.score >= tolerances.sure for grasp in found)
-        if not shape.spare or sealed < tolerances.enough_sealed:
+        sealed = sum(grasp.score >= GRASP_TOLERANCES.sure for grasp in found)
+        if not shape.spare or sealed < GRASP_TOLERANCES.enough_sealed:
             found += shape.grasps(sought)
-    unseen = coming_unseen(found, situation, {shape.tool.name: shape for shape in strong}, tolerances)
+    unseen = coming_unseen(found, situation, {shape.tool.name: shape for shape in strong})
     found = [replace(grasp, unseen=hidden) for grasp, hidden in zip(found, unseen.tolist(), strict=True)]
     best = varied(found, limit)
     for shape in strong if wide else ():

@@ -1,8 +1,7 @@
 """What hands hold, and what they meet on their straight way in: many grasps of a scene at once."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -35,6 +34,9 @@ class Room:
     arm: Arm | None
     cells: Cells
     movable: Cells
+    _hulls: dict[str, tuple[Hull, ...]] = field(default_factory=dict[str, tuple[Hull, ...]], init=False)
+    _surfaces: dict[str, Surface] = field(default_factory=dict[str, Surface], init=False)
+    _shapes: dict[str, Shape] = field(default_factory=dict[str, Shape], init=False)
 
     @classmethod
     def of(cls, situation: Situation, arm: Arm | None) -> "Room":
@@ -61,14 +63,6 @@ class Room:
             self._hulls[name] = tuple(map(Hull.of, self.situation.solids[name]))
         return self._hulls[name]
 
-    @cached_property
-    def _hulls(self) -> dict[str, tuple[Hull, ...]]:
-        return {}
-
-    @cached_property
-    def _surfaces(self) -> dict[str, Surface]:
-        return {}
-
     def shape(self, tool: str) -> Shape:
         """The hand of a tool: the arm's, or that of the first arm of the catalog which has such a one.
 
@@ -82,10 +76,6 @@ class Room:
                 raise InvalidInput(f"no robot has a tool {tool!r}: give the robot")
             self._shapes[tool] = shapes_of(arm)[tool]
         return self._shapes[tool]
-
-    @cached_property
-    def _shapes(self) -> dict[str, Shape]:
-        return {}
 
     def within(self, tool: str, poses: FloatArray) -> IntArray:
         """Count what is where a tool's open hand holds.

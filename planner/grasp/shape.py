@@ -64,18 +64,18 @@ class Sought:
         cls,
         name: str,
         situation: "Situation",
-        tolerances: GraspTolerances = GRASP_TOLERANCES,
         dropped: Dropped | None = None,
         enough: float = np.inf,
     ) -> "Sought":
         """Look for grasps of an object in a situation; what was given of its weight and friction counts."""
         scene, up = situation.scene, situation.up
-        around = surroundings(name, scene, up, tolerances)
-        surface = surface_in(name, situation, around, tolerances)
+        around = surroundings(name, scene, up)
+        surface = surface_in(name, situation, around)
         given = scene.centres.get(name, surface.centre)
         surface = replace(surface, mass=scene.masses.get(name), centre=given)
         # pads of rubber have a coefficient of 1, and the product is the object's own
-        tolerances = replace(tolerances, friction=scene.friction.get(name, tolerances.friction))
+        friction = scene.friction.get(name, GRASP_TOLERANCES.friction)
+        tolerances = replace(GRASP_TOLERANCES, friction=friction)
         solid = [Hull.of(part) for part in situation.solids[name]]
         dropped = Dropped() if dropped is None else dropped
         out = situation.way_out(name)
@@ -220,10 +220,7 @@ def shapes_of(arm: "Arm") -> Mapping[str, Shape]:
 
 
 def coming_unseen(
-    grasps: Sequence["Grasp"],
-    situation: "Situation",
-    shapes: Mapping[str, Shape],
-    tolerances: GraspTolerances = GRASP_TOLERANCES,
+    grasps: Sequence["Grasp"], situation: "Situation", shapes: Mapping[str, Shape]
 ) -> BoolArray:
     """Tell whose hands come in through space that no camera saw to be empty.
 
@@ -234,12 +231,11 @@ def coming_unseen(
         grasps: In the world.
         situation: What was seen, and what was moved since.
         shapes: The hands of the tools, by name.
-        tolerances: Length of the way, and how far behind a surface a place is hidden.
 
     Returns:
         (G,) whether they do; nobody does where no camera is known.
     """
-    found = np.zeros(len(grasps), dtype=np.bool_)
+    found, tolerances = np.zeros(len(grasps), dtype=np.bool_), GRASP_TOLERANCES
     for tool, shape in shapes.items():
         rows = [row for row, grasp in enumerate(grasps) if grasp.tool == tool]
         if not rows:

@@ -19,7 +19,6 @@ from topple.planner.grasp.tolerances import (
     RING,
     SUCTION_BRUSH,
     SUCTION_TIGHT,
-    GraspTolerances,
 )
 from topple.robots.arm.cup import SuctionCup, lip_plane, vacuum_load
 from topple.robots.arm.gripper import SUCTION
@@ -282,23 +281,21 @@ def _room(sought: Sought, centre: FloatArray, rotation: FloatArray, hand: CupSha
         return None
     brushed = False
     for points in ((sought.surface.points - centre) @ rotation, foreign):
-        met = _inside(points, hand.body, margin, margin, tolerances)
+        met = _inside(points, hand.body, margin, margin)
         if met.any():
             dropped.no_room("hand", around.met(met) if points is foreign else ITSELF)
             return None
-        brushed = brushed or bool(_inside(points, hand.body, SUCTION_BRUSH, SUCTION_BRUSH, tolerances).any())
+        brushed = brushed or bool(_inside(points, hand.body, SUCTION_BRUSH, SUCTION_BRUSH).any())
     return SUCTION_TIGHT if brushed else 1.0
 
 
-def _inside(
-    points: FloatArray, prisms: tuple[Prism, ...], aside: float, before: float, tolerances: GraspTolerances
-) -> BoolArray:
+def _inside(points: FloatArray, prisms: tuple[Prism, ...], aside: float, before: float) -> BoolArray:
     """Which points in the tool's frame are in a prism, wider by `aside`, with more than stray points."""
     found = np.zeros(len(points), dtype=bool)
     for prism in prisms:
         lower, upper = np.array([prism.x[0], prism.y[0]]), np.array([prism.x[1], prism.y[1]])
         inside = np.all((points[:, :2] > lower - aside) & (points[:, :2] < upper + aside), axis=1)
         inside &= points[:, 2] < prism.front + before
-        if np.count_nonzero(inside) > tolerances.stray_points:
+        if np.count_nonzero(inside) > GRASP_TOLERANCES.stray_points:
             found |= inside
     return found

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.surroundings import Surroundings
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.geometry.samples import sampled_with_normals, volume_and_centre
 from topple.topology.geometry.thin import voxel_means
@@ -22,7 +22,6 @@ class Surface:
     Attributes:
         points: (N, 3) points in the world, about one per `spacing` cube [m].
         normals: (N, 3) unit normals turned towards the cameras (or up).
-        evenness: (N,) standard deviation of the points around the fitted plane [m].
         centre: (3,) estimate of the centre of mass [m].
         seen: The first so many points were seen.
         volume: What its convex parts fill [m3]; 0 where there are none.
@@ -31,7 +30,6 @@ class Surface:
 
     points: FloatArray
     normals: FloatArray
-    evenness: FloatArray
     centre: FloatArray
     seen: int
     volume: float = 0.0
@@ -40,7 +38,7 @@ class Surface:
 
 def fitted_normals(
     points: FloatArray, radius: float, toward: FloatArray, least: int = 6, most: int = 48
-) -> tuple[FloatArray, FloatArray]:
+) -> FloatArray:
     """Fit a plane to every point's neighbourhood.
 
     Args:
@@ -51,11 +49,11 @@ def fitted_normals(
         most: Points it has at most.
 
     Returns:
-        (N, 3) unit normals and (N,) standard deviations around the planes [m].
+        (N, 3) unit normals.
     """
     count = min(most, len(points))
     if count < 3:
-        return np.tile(np.broadcast_to(toward, (len(points), 3)), 1), np.zeros(len(points))
+        return np.tile(np.broadcast_to(toward, (len(points), 3)), 1)
     distances, index = PointTree(points).query(points, k=count)
     weights = (distances <= radius).astype(np.float64)
     weights[:, : min(least, count)] = 1.0
@@ -63,11 +61,10 @@ def fitted_normals(
     total = weights.sum(axis=1)
     centred = near - ((weights[:, :, None] * near).sum(axis=1) / total[:, None])[:, None, :]
     covariance = np.einsum("nk,nki,nkj->nij", weights, centred, centred) / total[:, None, None]
-    values, vectors = np.linalg.eigh(covariance)
-    normals = vectors[:, :, 0]
+    normals = np.linalg.eigh(covariance)[1][:, :, 0]
     flip = np.einsum("ni,ni->n", normals, np.broadcast_to(toward, normals.shape)) < 0
     normals[flip] *= -1.0
-    return normals, np.sqrt(np.maximum(values[:, 0], 0.0))
+    return normals
 
 
 def surface_of(
@@ -77,7 +74,6 @@ def surface_of(
     solid: Sequence[FloatArray] = (),
     others: FloatArray | None = None,
     images: Sequence[DepthImage] = (),
-    tolerances: GraspTolerances = GRASP_TOLERANCES,
 ) -> Surface:
     """Prepare an object's cloud for the grasp search.
 
@@ -90,39 +86,35 @@ def surface_of(
             see.
         others: (M, 3) points of what else may hide a side from the cameras [m].
         images: What the cameras took: a side out of their view was not seen, either.
-        tolerances: Spacing and neighbourhood.
 
     Returns:
         The surface. Deterministic.
     """
-    thin = voxel_means(points, tolerances.spacing, ahead=0.0)
+    thin = voxel_means(points, GRASP_TOLERANCES.spacing, ahead=0.0)
     middle = thin.mean(axis=0) - 0.02 * up  # a little below what is seen: undersides are not
     toward = thin - middle
     if viewpoints is not None and len(viewpoints) > 0:
         rays = viewpoints[None, :, :] - thin[:, None, :]
         nearest = np.argmin(np.linalg.norm(rays, axis=2), axis=1)
         toward = rays[np.arange(len(thin)), nearest]
-    normals, evenness = fitted_normals(thin, tolerances.normal_radius, toward)
-    hidden, hidden_normals = _hidden(thin, solid, viewpoints, others, images, tolerances)
+    normals = fitted_normals(thin, GRASP_TOLERANCES.normal_radius, toward)
+    hidden, hidden_normals = _hidden(thin, solid, viewpoints, others, images)
     volume, centre = volume_and_centre(thin, solid)
     return Surface(
         np.vstack([thin, hidden]),
         np.vstack([normals, hidden_normals]),
-        np.concatenate([evenness, np.zeros(len(hidden))]),
         centre,
         len(thin),
         volume,
     )
 
 
-def surface_in(
-    name: str, situation: Situation, around: Surroundings, tolerances: GraspTolerances = GRASP_TOLERANCES
-) -> Surface:
+def surface_in(name: str, situation: Situation, around: Surroundings) -> Surface:
     """Prepare an object of a situation, among its surroundings, for the grasp search."""
     scene = situation.scene
     viewpoints = None if name in scene.whole else scene.viewpoints
     solid, cloud = situation.completed[name], scene.clouds[name]
-    return surface_of(cloud, situation.up, viewpoints, solid, around.points, scene.images, tolerances)
+    return surface_of(cloud, situation.up, viewpoints, solid, around.points, scene.images)
 
 
 def _hidden(
@@ -131,21 +123,20 @@ def _hidden(
     viewpoints: FloatArray | None,
     others: FloatArray | None,
     images: Sequence[DepthImage],
-    tolerances: GraspTolerances,
 ) -> tuple[FloatArray, FloatArray]:
     """Points and normals of the hidden sides: of the convex parts, where no camera looked through."""
     if viewpoints is None or len(viewpoints) == 0:
         return np.empty((0, 3)), np.empty((0, 3))  # a scanned or modelled object: all of it is seen
-    points, normals = sampled_with_normals(solid, tolerances.hidden_spacing)
+    points, normals = sampled_with_normals(solid, GRASP_TOLERANCES.hidden_spacing)
     if len(points) == 0:
         return points, normals
-    distance, _ = PointTree(seen).query(points, distance_upper_bound=tolerances.hidden_gap)
+    distance, _ = PointTree(seen).query(points, distance_upper_bound=GRASP_TOLERANCES.hidden_gap)
     unseen = np.isinf(distance)
     occluders = seen if others is None else np.vstack([seen, others])
     pictures = images if len(images) == len(viewpoints) else [None] * len(viewpoints)
     for viewpoint, picture in zip(viewpoints, pictures, strict=True):
         in_view = True if picture is None else picture.in_view(points)
-        unseen &= _shadowed(points, occluders, viewpoint, tolerances.hidden_gap) | ~np.bool_(in_view)
+        unseen &= _shadowed(points, occluders, viewpoint, GRASP_TOLERANCES.hidden_gap) | ~np.bool_(in_view)
     return points[unseen], normals[unseen]
 
 

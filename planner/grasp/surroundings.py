@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.tops import tops_of
@@ -92,48 +92,41 @@ class Dropped:
             self.barring[beside] += count
 
 
-def surroundings(
-    name: str, scene: Scene, up: FloatArray, tolerances: GraspTolerances = GRASP_TOLERANCES
-) -> Surroundings:
+def surroundings(name: str, scene: Scene, up: FloatArray) -> Surroundings:
     """Everything a hand could meet around an object.
 
     Args:
         name: The object.
         scene: The scene.
         up: (3,) unit vector against gravity.
-        tolerances: Reach and spacing.
 
     Returns:
         The points of the others within reach, and the ground.
     """
-    reached = dict(_within_reach(name, scene, (*scene.clouds, MATTER), tolerances))
-    near = {other: voxel_means(within, tolerances.spacing, ahead=0.0) for other, within in reached.items()}
+    reached = dict(_within_reach(name, scene, (*scene.clouds, MATTER)))
+    spacing = GRASP_TOLERANCES.spacing
+    near = {other: voxel_means(within, spacing, ahead=0.0) for other, within in reached.items()}
     fixed = {other: within for other, within in reached.items() if other in scene.fixed}
     floor = _ground(name, fixed, scene, up)
     owners = np.repeat(np.arange(len(near)), [len(points) for points in near.values()])
     return Surroundings(np.vstack([np.empty((0, 3)), *near.values()]), owners, tuple(near), floor)
 
 
-def floor_near(
-    name: str, scene: Scene, up: FloatArray, tolerances: GraspTolerances = GRASP_TOLERANCES
-) -> float:
+def floor_near(name: str, scene: Scene, up: FloatArray) -> float:
     """Height of the fixed ground around an object along up [m], -inf where nothing is fixed.
 
     Args:
         name: The object.
         scene: The scene.
         up: (3,) unit vector against gravity.
-        tolerances: Reach.
     """
-    return _ground(name, dict(_within_reach(name, scene, scene.fixed, tolerances)), scene, up)
+    return _ground(name, dict(_within_reach(name, scene, scene.fixed)), scene, up)
 
 
-def _within_reach(
-    name: str, scene: Scene, others: Iterable[str], tolerances: GraspTolerances
-) -> Iterator[tuple[str, FloatArray]]:
+def _within_reach(name: str, scene: Scene, others: Iterable[str]) -> Iterator[tuple[str, FloatArray]]:
     """Those of some others that have points where a hand at an object could meet them, with these."""
     lower, upper = bounds(scene.clouds[name])
-    lower, upper = lower - tolerances.reach, upper + tolerances.reach
+    lower, upper = lower - GRASP_TOLERANCES.reach, upper + GRASP_TOLERANCES.reach
     for other in others:
         cloud = scene.matter if other == MATTER else scene.clouds[other]
         within = np.all((cloud > lower) & (cloud < upper), axis=1)

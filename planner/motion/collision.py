@@ -1,6 +1,6 @@
 """Batched exact collision checks: bounding volumes, then separating directions, python-fcl for the rest."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import Attachment, CollisionModel
-from topple.planner.motion.obstacles import Obstacle
 from topple.planner.motion.open_pairs import OpenPairs
 from topple.planner.motion.tolerances import EDGE_STEP, ROUNDED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.bodies.solids import Solids
 
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
 SMALL = 96  # states that cost little more than a few: such a batch is not divided
@@ -52,7 +52,7 @@ class Checker:
         self,
         arm: Arm,
         pose_base_to_world: FloatArray,
-        obstacles: Mapping[str, Obstacle],
+        obstacles: Solids,
         *,
         tool_state: ToolState | None = None,
         attached: Attachment | None = None,
@@ -64,8 +64,7 @@ class Checker:
         Args:
             arm: The arm.
             pose_base_to_world: (4, 4).
-            obstacles: By name convex parts (V, 3), a surface cloud (N, 3), a mesh or a primitive, in the
-                world in [m]; see `topple.planner.motion.obstacles`.
+            obstacles: By name convex parts (V, 3) in the world [m].
             tool_state: How the hand stands; open if not given.
             attached: What it holds.
             allow: Pairs of names (links, obstacles, what is held) that may touch.

@@ -1,12 +1,11 @@
 """What can hit what: the arm's links, what it holds, and the obstacles, as convex parts with their pairs."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from topple.planner.motion.obstacles import Obstacle, parts_of
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.collision.convex import hull_of
@@ -14,6 +13,7 @@ from topple.robots.collision.separation import ConvexSets
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, frozen
 from topple.topology.base.errors import InvalidInput
+from topple.topology.bodies.solids import Solids
 from topple.topology.geometry.rigid import transformed
 
 
@@ -64,7 +64,7 @@ class CollisionModel:
     def of(
         arm: Arm,
         pose_base_to_world: FloatArray,
-        obstacles: Mapping[str, Obstacle],
+        obstacles: Solids,
         tool_state: ToolState,
         attached: Attachment | None,
         allow: Collection[frozenset[str]],
@@ -121,16 +121,14 @@ class _Parts:
         for part in attached.parts:
             self._add(attached.name, transformed(_checked(part, attached.name), pose), len(arm.joints), -1)
 
-    def add_obstacles(
-        self, pose_base_to_world: FloatArray, obstacles: Mapping[str, Obstacle], taken: set[str]
-    ) -> None:
+    def add_obstacles(self, pose_base_to_world: FloatArray, obstacles: Solids, taken: set[str]) -> None:
         world_to_base = inverse(pose_base_to_world)
         for name, obstacle in obstacles.items():
             if name in taken:
                 raise InvalidInput(
                     f"the obstacle {name!r} has the name of a link or of what is held; rename it"
                 )
-            for part in parts_of(name, obstacle):
+            for part in obstacle:
                 self._add(name, transformed(_checked(part, name), world_to_base), 0, -2)
 
     def _add(self, name: str, vertices: FloatArray, frame: int, link: int) -> None:

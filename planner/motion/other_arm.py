@@ -44,21 +44,18 @@ def arm_bodies(
     }
 
 
-def surface_points(
-    arm: Arm, pose_base_to_world: FloatArray, q: FloatArray, hand: ToolState | None = None
-) -> FloatArray:
+def surface_points(arm: Arm, pose_base_to_world: FloatArray, q: FloatArray) -> FloatArray:
     """Points on an arm's links in many states at once, where telling roughly what is near is enough.
 
     Args:
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
-        q: (m, n) joint values [rad].
-        hand: How its hand stands; fully open where not given.
+        q: (m, n) joint values [rad]; its hand is fully open.
 
     Returns:
         (m, P, 3) points in the world [m], about `SPREAD` apart.
     """
-    poses = pose_base_to_world @ arm.forward(q, hand)
+    poses = pose_base_to_world @ arm.forward(q)
     rows = [
         _at(poses[:, number], _thinned(sampled(parts, SPREAD)))
         for number, parts in enumerate(arm.parts)

@@ -1,7 +1,6 @@
 """Seeded RRT-Connect (Kuffner and LaValle 2000) that extends a dozen branches with each collision check."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -29,20 +28,11 @@ Projection = Callable[[FloatArray], FloatArray]
 """States (m, n) to the nearest ones that keep a constraint."""
 
 
-@dataclass(frozen=True)
-class RRTSettings:
-    """How trees grow.
+BATCH = 12
+"""Branches in one collision check; numpy then costs little more than for one."""
 
-    Attributes:
-        batch: Branches in one collision check; numpy then costs little more than for one.
-        reach: Longest branch in [rad], in the Euclidean norm over the joints.
-    """
-
-    batch: int = 12
-    reach: float = 1.0
-
-
-SETTINGS = RRTSettings()
+REACH = 1.0
+"""Longest branch [rad], in the Euclidean norm over the joints."""
 
 
 class Tree:
@@ -91,7 +81,7 @@ def rrt_connect(
     *,
     seed: int,
     rounds: int = ROUNDS,
-    settings: RRTSettings = SETTINGS,
+    reach: float = REACH,
     project: Projection | None = None,
 ) -> FloatArray | None:
     """A path from the start to one of the goals.
@@ -102,7 +92,7 @@ def rrt_connect(
         goals: (g, n) free states.
         seed: Seed of the samples.
         rounds: Batches of branches before giving up.
-        settings: How trees grow.
+        reach: Longest branch [rad].
         project: Brings samples and ends of branches to states that keep a constraint.
 
     Returns:
@@ -116,10 +106,10 @@ def rrt_connect(
     forward = True
     for _ in range(rounds):
         check_budget()
-        samples = rng.uniform(checker.arm.lower, checker.arm.upper, (settings.batch, len(start)))
+        samples = rng.uniform(checker.arm.lower, checker.arm.upper, (BATCH, len(start)))
         samples = samples if project is None else project(samples)
-        added = _extend(checker, ours, samples, settings.reach, project)
-        joined = _connect(checker, ours, added, theirs, settings.reach, project)
+        added = _extend(checker, ours, samples, reach, project)
+        joined = _connect(checker, ours, added, theirs, reach, project)
         if joined is not None:
             first, second = (ours, theirs) if forward else (theirs, ours)
             a, b = joined if forward else joined[::-1]

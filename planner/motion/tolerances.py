@@ -15,15 +15,6 @@ ROUNDED = 5e-5
 """How much less [m] than a state has is wanted near it: what is equal is not proven."""
 
 
-# -- obstacles
-
-PARTS = 48
-"""Parts of a concave mesh: a tube as wide as it is high then keeps nine tenths of its bore."""
-
-SAMPLES = 6000
-"""Points on a concave mesh's surface: 2 mm apart on something as large as a plate."""
-
-
 # -- planner
 
 CLEARANCE = 0.005

@@ -7,41 +7,37 @@ import numpy as np
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion, MotionFailure, in_turn, keeping
-from topple.planner.motion.rrt import RRTSettings, rrt_connect
+from topple.planner.motion.rrt import rrt_connect
 from topple.planner.motion.shortcut import shortcut
 from topple.planner.motion.tolerances import CLEARANCE, DAMPING, ROUNDS, STEP, UPRIGHT_ROUNDS, WITHIN
-from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import BoolArray, FloatArray
 
-REACH = RRTSettings(reach=0.35)  # [rad] longer branches leave the band of small tilts more often than not
+REACH = 0.35  # [rad] longer branches leave the band of small tilts more often than not
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Upright:
-    """A checker that also refuses tilts, with the interface that searches use.
+    """How a tool is kept as it stands: its name, (3,) up in the base's frame, and the largest tilt [rad]."""
 
-    Attributes:
-        checker: What may not be hit.
-        axis: (3,) the up direction in the tool's frame, as it is held.
-        up: (3,) the up direction in the arm's base.
-        tool: The tool that carries.
-        tilt: Largest angle between the two [rad].
-    """
-
-    checker: Checker
-    axis: FloatArray
-    up: FloatArray
     tool: str
+    up: FloatArray
     tilt: float
 
-    @property
-    def arm(self) -> Arm:
-        """The arm."""
-        return self.checker.arm
+
+class _Level:
+    """A checker that also refuses tilts from how the tool stands in a state (n,), as searches ask it."""
+
+    def __init__(self, checker: Checker, start: FloatArray, kept: Upright) -> None:
+        self.checker, self.arm, self.up, self.tilt = checker, checker.arm, kept.up, kept.tilt
+        self._tool, self._axis = kept.tool, checker.arm.tool_pose(start, kept.tool)[0, :3, :3].T @ kept.up
+
+    def _carried(self, q: FloatArray) -> FloatArray:
+        """(m, 3) where what was up in the first state points in states (m, n)."""
+        return self.arm.tool_pose(q, self._tool)[:, :3, :3] @ self._axis
 
     def tilts(self, q: FloatArray) -> FloatArray:
         """Angles (m,) by which states (m, n) tilt what is carried [rad]."""
-        carried = self.arm.tool_pose(q, self.tool)[:, :3, :3] @ self.axis
+        carried = self._carried(q)
         return np.arctan2(np.linalg.norm(np.cross(carried, self.up), axis=1), carried @ self.up)
 
     def edges_free(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
@@ -67,7 +63,7 @@ class Upright:
             if not len(over):
                 break
             frames = self.arm.chain.frames(q[over])
-            carried = self.arm.tool_pose(q[over], self.tool)[:, :3, :3] @ self.axis
+            carried = self._carried(q[over])
             away = np.cross(carried, self.up)
             sine = np.linalg.norm(away, axis=1, keepdims=True)
             angle = np.arctan2(sine, (carried @ self.up)[:, None])
@@ -84,14 +80,10 @@ def plan_upright(
     checker: Checker,
     start: FloatArray,
     goals: FloatArray,
-    tool: str,
-    up: FloatArray,
-    tilt: float,
+    kept: Upright,
     *,
     seed: int = 0,
     rounds: int = ROUNDS,
-    budget: float | None = None,
-    clearance: float = CLEARANCE,
 ) -> Motion | MotionFailure:
     """Find a path that keeps what a tool carries as it stands at the start.
 
@@ -99,41 +91,24 @@ def plan_upright(
         checker: The arm, what it holds and what it must not hit.
         start: (n,) joint values; what is carried is upright there.
         goals: (g, n) joint values; those that tilt it are left out.
-        tool: The tool that carries.
-        up: (3,) unit vector against gravity, in the arm's base.
-        tilt: Largest tilt all along [rad].
+        kept: The tool that carries, and how far it may be tilted.
         seed: Of the search.
         rounds: Batches of branches before the search gives up.
-        budget: Wall-clock seconds for the whole call, as for `plan_motion`.
-        clearance: Distance wanted from obstacles in [m]; as for `plan_motion`.
 
     Returns:
         The motion with its certificate, its tilt proven too; or why there is none.
     """
-    trials = keeping(checker, start, goals, clearance)
-    return in_turn(
-        budget,
-        (
-            _planned(trial, start, goals, tool, up, tilt, seed, round(share * rounds))
-            for trial, share in trials
-        ),
-    )
+    trials = keeping(checker, start, goals, CLEARANCE)
+    levels = ((_Level(trial, start, kept), round(share * rounds)) for trial, share in trials)
+    return in_turn(None, (_planned(level, start, goals, seed, share) for level, share in levels))
 
 
 def _planned(
-    checker: Checker,
-    start: FloatArray,
-    goals: FloatArray,
-    tool: str,
-    up: FloatArray,
-    tilt: float,
-    seed: int,
-    rounds: int,
+    level: _Level, start: FloatArray, goals: FloatArray, seed: int, rounds: int
 ) -> Motion | MotionFailure:
     """An upright motion that keeps the checker's margins, or why there is none."""
-    axis = checker.arm.tool_pose(start, tool)[0, :3, :3].T @ up
-    level = Upright(checker, axis, up, tool, tilt)
-    kept = np.flatnonzero(checker.free(goals) & (level.tilts(goals) <= tilt))
+    checker = level.checker
+    kept = np.flatnonzero(checker.free(goals) & (level.tilts(goals) <= level.tilt))
     contacts = checker.contacts(start)
     if contacts or not len(kept):
         stage, what = (
@@ -150,7 +125,7 @@ def _planned(
             path, stage = (
                 rrt_connect(
                     level, start, goals[kept], seed=seed + 7919 * attempt, rounds=rounds,
-                    settings=REACH, project=level.turned_back,
+                    reach=REACH, project=level.turned_back,
                 ),
                 "rrt",
             )  # fmt: skip

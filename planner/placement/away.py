@@ -13,7 +13,7 @@ import numpy as np
 
 from topple.planner.placement.free_space import FreeSpace, free_around
 from topple.planner.placement.placement import Placement, placements
-from topple.planner.placement.resting import PLACEMENT_TOLERANCES, about
+from topple.planner.placement.resting import about
 from topple.planner.placement.tolerances import (
     AHEAD,
     BIN_BESIDE,
@@ -294,7 +294,7 @@ class Receiver:
         top = transformed(_corners((0.0, 0.0, self.size[2]), (self.size[0], self.size[1], 0.0)), self.pose)
         bodies = {other: parts for other, parts in {**situation.solids, **beside}.items() if other != name}
         del bodies[BODIES[self.how]]
-        return free_around(BODIES[self.how], top, axes, up, bodies, PLACEMENT_TOLERANCES)
+        return free_around(BODIES[self.how], top, axes, up, bodies)
 
     def assumption(self) -> str:
         """What is taken on trust, in a sentence; empty where nothing is."""

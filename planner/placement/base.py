@@ -1,7 +1,6 @@
 """Where the arm should stand: reach over what is to be handled, and room to put it down."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -132,11 +131,10 @@ def _reach(
 def _room(pose: FloatArray, spaces: Sequence[FreeSpace], axes: FloatArray, scale: float) -> float:
     """Free tops within reach, as a share of the ring the arm reaches."""
     near, far = (scale * end for end in PLACEMENT_TOLERANCES.reach)
-    tolerances = replace(PLACEMENT_TOLERANCES, reach=(near, far))
     area = 0.0
     for space in spaces:
         places = space.middles(np.argwhere(space.distance > 0.05))
         rise = space.height - float(pose[:3, 3] @ space.normal)
-        within = reachable(places, rise, axes @ pose[:3, 3], tolerances)
+        within = reachable(places, rise, axes @ pose[:3, 3], scale)
         area += float(np.count_nonzero(within)) * space.cell**2
     return min(1.0, area / (np.pi * (far**2 - near**2)))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
+from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.tolerances import SKIN
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.matter import MATTER
@@ -70,7 +70,6 @@ def free_spaces(
     avoid: Sequence[FloatArray] = (),
     remaining: Collection[str] = (),
     tall: float = 0.0,
-    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> tuple[FreeSpace, ...]:
     """Map what of every top is free, everything on it seen from straight above.
 
@@ -84,7 +83,6 @@ def free_spaces(
         avoid: (N, 3) points each, of places to keep free besides.
         remaining: Objects that are still to be taken, or put something on or into.
         tall: Height of what is put down [m].
-        tolerances: Grid, distance from the edge and room for the hand.
 
     Returns:
         One map a top; none where the scene has no fixed level surface. The floor of a bin is only among them
@@ -93,9 +91,7 @@ def free_spaces(
     scene, up = situation.scene, situation.up
     tops = [(name, top) for name in sorted(scene.fixed) for top in tops_of(scene.clouds[name], up).tops]
     tops = [(name, top) for name, top in tops if not top.walled] or tops
-    return tuple(
-        _free_space(name, top, situation, leave_out, avoid, remaining, tall, tolerances) for name, top in tops
-    )
+    return tuple(_free_space(name, top, situation, leave_out, avoid, remaining, tall) for name, top in tops)
 
 
 def _free_space(
@@ -106,23 +102,22 @@ def _free_space(
     avoid: Sequence[FloatArray],
     remaining: Collection[str],
     tall: float,
-    tolerances: PlacementTolerances,
 ) -> FreeSpace:
     """The map of one top."""
     scene, solids = situation.scene, situation.solids
     axes = np.stack(level_axes(situation.up))
     ground = top.points @ axes.T
-    origin, middles = _grid(ground, tolerances.cell)
+    origin, middles = _grid(ground, PLACEMENT_TOLERANCES.cell)
     boards = [part for part in solids[owner] if abs(float(top.above(part).max())) < SKIN] or [top.points]
     free = np.any([_within(middles, board @ axes.T) for board in boards], axis=0)
-    edge = _to_nearest(free) * tolerances.cell
-    free &= edge > tolerances.edge
+    edge = _to_nearest(free) * PLACEMENT_TOLERANCES.cell
+    free &= edge > PLACEMENT_TOLERANCES.edge
     clear = np.ones_like(free)
     for name in scene.names:
         if name in leave_out or (name == owner and len(top.points) == len(scene.clouds[name])):
             continue  # strays above a table that is nothing but its top are noise
         fixed = name in scene.fixed
-        ceiling = tall + tolerances.headroom if fixed else np.inf
+        ceiling = tall + PLACEMENT_TOLERANCES.headroom if fixed else np.inf
         taken = np.zeros_like(free)
         for part in solids[name]:
             heights = top.above(part)
@@ -130,7 +125,7 @@ def _free_space(
                 taken |= _within(middles, part @ axes.T)
         heights = top.above(scene.clouds[name])
         met = (heights > (SKIN if fixed else -SKIN)) & (heights < ceiling)
-        _mark(taken, scene.clouds[name][met] @ axes.T, origin, tolerances.cell)
+        _mark(taken, scene.clouds[name][met] @ axes.T, origin, PLACEMENT_TOLERANCES.cell)
         free &= ~taken
         if name in remaining:
             clear &= ~taken
@@ -138,14 +133,14 @@ def _free_space(
                 clear &= ~_within(middles, np.vstack([part, part + LIFT * situation.way_out(name)]) @ axes.T)
     for part in solids.get(MATTER, ()):
         heights = top.above(part)
-        if heights.max() > SKIN and heights.min() < tall + tolerances.headroom:
+        if heights.max() > SKIN and heights.min() < tall + PLACEMENT_TOLERANCES.headroom:
             free &= ~_within(middles, part @ axes.T)
     for points in avoid:
         free &= ~_within(middles, points @ axes.T)
-    away: FloatArray = np.asarray(distance_transform_edt(clear)) * tolerances.cell
-    ways = (away < tolerances.good_gap) & (not clear.all())
-    distance = _to_nearest(free) * tolerances.cell
-    return FreeSpace(owner, origin, distance, ways, top.normal, top.height, tolerances.cell)
+    away: FloatArray = np.asarray(distance_transform_edt(clear)) * PLACEMENT_TOLERANCES.cell
+    ways = (away < PLACEMENT_TOLERANCES.good_gap) & (not clear.all())
+    distance = _to_nearest(free) * PLACEMENT_TOLERANCES.cell
+    return FreeSpace(owner, origin, distance, ways, top.normal, top.height, PLACEMENT_TOLERANCES.cell)
 
 
 def free_around(
@@ -154,7 +149,6 @@ def free_around(
     axes: FloatArray,
     up: FloatArray,
     bodies: Solids,
-    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> FreeSpace:
     """Map what of a level area is free of bodies.
 
@@ -164,16 +158,15 @@ def free_around(
         axes: (2, 3) level axes.
         up: (3,) unit vector.
         bodies: By name the convex parts of what may stand there.
-        tolerances: Grid and distance from the edge.
     """
     ground, height = corners @ axes.T, float((corners @ up).max())
-    origin, middles = _grid(ground, tolerances.cell)
+    origin, middles = _grid(ground, PLACEMENT_TOLERANCES.cell)
     free = _within(middles, ground)
     for part in (part for parts in bodies.values() for part in parts):
         if float((part @ up).max()) > height + SKIN:
             free &= ~_within(middles, part @ axes.T)
-    distance = _to_nearest(free) * tolerances.cell
-    return FreeSpace(owner, origin, distance, np.zeros_like(free), up, height, tolerances.cell)
+    distance = _to_nearest(free) * PLACEMENT_TOLERANCES.cell
+    return FreeSpace(owner, origin, distance, np.zeros_like(free), up, height, PLACEMENT_TOLERANCES.cell)
 
 
 def _grid(ground: FloatArray, cell: float) -> tuple[FloatArray, FloatArray]:

@@ -8,12 +8,11 @@ import numpy as np
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
-    PlacementTolerances,
     Rest,
     about,
     resting_poses,
 )
-from topple.planner.placement.tolerances import KEPT, SPARE_SHARE
+from topple.planner.placement.tolerances import KEPT, SPARE_SHARE, YAWS
 from topple.planner.tolerances import ALIKE
 from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.base.errors import UnknownObject
@@ -85,7 +84,6 @@ def placements(
     spaces: Sequence[FreeSpace] | None = None,
     limit: int = 24,
     scale: float = 1.0,
-    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> list[Placement]:
     """Find free places on tops for an object, off the ways out of what remains while there are any.
 
@@ -98,7 +96,6 @@ def placements(
         spaces: What is free, where that is known; else that of all tops is mapped.
         limit: At most so many, spread over the tops; the last of them in other attitudes.
         scale: Of the arm, see `topple.robots.arm.home.scale_of`: places are as much nearer to its base.
-        tolerances: Distances.
 
     Returns:
         Placements, best first; empty where there is no room. Deterministic.
@@ -110,27 +107,20 @@ def placements(
     scene, up = situation.scene, situation.up
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
-    tolerances = replace(tolerances, reach=(scale * tolerances.reach[0], scale * tolerances.reach[1]))
     cloud, parts = scene.clouds[name], situation.solids[name]
-    rests = resting_poses(cloud, parts, up, tolerances, scene.centres.get(name))
+    rests = resting_poses(cloud, parts, up, scene.centres.get(name))
     tall = max(float(np.ptp(cloud @ (rest.rotation.T @ up))) for rest in rests)
     if spaces is None:
-        spaces = free_spaces(
-            situation, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
-        )
+        spaces = free_spaces(situation, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall)
+    at = pose_base_to_world, scale
     found = [
-        [
-            spot
-            for space in spaces
-            for spot in _at_rest(cloud, parts, rest, space, up, pose_base_to_world, tolerances)
-        ]
-        for rest in rests
+        [spot for space in spaces for spot in _at_rest(cloud, parts, rest, space, up, *at)] for rest in rests
     ]
     best = _spread_out([spot for spots in found for spot in spots], limit)
     worse = [spots for spots in found if not any(spot in best for spot in spots)]
     spare = [spot for spots in worse for spot in _spread_out(spots, limit // SPARE_SHARE)]
     chosen = [*best[: max(limit - len(spare), limit // 2)], *spare][:limit]
-    return [spot.placement(cloud.mean(axis=0), tolerances.drop) for spot in chosen]
+    return [spot.placement(cloud.mean(axis=0)) for spot in chosen]
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,12 +133,12 @@ class _Spot:
     score: float
     room: float
 
-    def placement(self, before: FloatArray, drop: float) -> Placement:
+    def placement(self, before: FloatArray) -> Placement:
         """The placement, from where its middle is before (3,) [m]."""
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = self.rotation, self.middle - self.rotation @ before
         words = f"turned {np.degrees(self.rest.turn):.0f} deg onto a face, {1e3 * self.room:.0f} mm free"
-        return Placement(pose, self.score, words, drop, rolls=self.rest.rolls)
+        return Placement(pose, self.score, words, PLACEMENT_TOLERANCES.drop, rolls=self.rest.rolls)
 
 
 def _at_rest(
@@ -158,31 +148,30 @@ def _at_rest(
     space: FreeSpace,
     up: FloatArray,
     pose_base_to_world: FloatArray | None,
-    tolerances: PlacementTolerances,
-    yaws: int = 8,
+    scale: float,
 ) -> list[_Spot]:
     """Every free place and heading on one top for an object in one resting pose."""
     axes = np.stack(level_axes(up))
     base = None if pose_base_to_world is None else axes @ pose_base_to_world[:3, 3]
     middle = cloud.mean(axis=0)
     body = np.vstack([voxel_means(cloud, 0.008, ahead=0.0), *parts])
-    cells = 2 * np.argwhere(space.distance[::2, ::2] > tolerances.gap)
+    cells = 2 * np.argwhere(space.distance[::2, ::2] > PLACEMENT_TOLERANCES.gap)
     places = space.middles(cells)
     if pose_base_to_world is not None:
         rise = space.height - float(pose_base_to_world[:3, 3] @ space.normal)
-        within = reachable(places, rise, axes @ pose_base_to_world[:3, 3], tolerances)
+        within = reachable(places, rise, axes @ pose_base_to_world[:3, 3], scale)
         cells, places = cells[within], places[within]
     found: list[_Spot] = []
-    for k in range(yaws):
-        rotation = about(up, 2.0 * np.pi * k / yaws) @ rest.rotation
+    for k in range(YAWS):
+        rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
         turned = (body - middle) @ rotation.T
         along, aside = np.round(axes @ turned.T / space.cell).astype(np.int64)
         width = int(np.abs(aside).max()) + 1
         each = np.unique(2 * width * along + aside + width)
         covered = np.stack([each // (2 * width), each % (2 * width) - width], axis=1)
         room, bars = space.under(cells, covered)
-        lift = space.height + tolerances.drop - float((turned @ space.normal).min())
-        scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
+        lift = space.height + PLACEMENT_TOLERANCES.drop - float((turned @ space.normal).min())
+        scores = _scores(places, room, rest, axes @ middle, base, k / YAWS, scale)
         scores[bars] = -1.0
         best = np.argsort(-scores, kind="stable")[:KEPT]
         best = best[scores[best] > 0.0]
@@ -195,19 +184,17 @@ def _at_rest(
     return found
 
 
-def reachable(
-    places: FloatArray, rise: float, base: FloatArray, tolerances: PlacementTolerances
-) -> BoolArray:
+def reachable(places: FloatArray, rise: float, base: FloatArray, scale: float) -> BoolArray:
     """Which places an arm works at freely.
 
     Args:
         places: (P, 2) level coordinates [m].
         rise: Height of their top over the arm's base [m].
         base: (2,) level coordinates of the base [m].
-        tolerances: Its reach.
+        scale: Of the arm.
     """
-    level = np.linalg.norm(places - base, axis=1)
-    return (level > tolerances.reach[0]) & (np.hypot(level, rise) < tolerances.reach[1])
+    level, (near, far) = np.linalg.norm(places - base, axis=1), PLACEMENT_TOLERANCES.reach
+    return (level > scale * near) & (np.hypot(level, rise) < scale * far)
 
 
 def _scores(
@@ -217,19 +204,19 @@ def _scores(
     before: FloatArray,
     base: FloatArray | None,
     turn: float,
-    tolerances: PlacementTolerances,
+    scale: float,
 ) -> FloatArray:
     """Score (N,) of places: room around, a short way, an easy reach, little turning, a steady stand."""
     way = 1.0 / (1.0 + np.linalg.norm(places - before, axis=1) / 0.5)
     easy = np.ones(len(places))
     if base is not None:
-        comfortable = 0.5 * (tolerances.reach[0] + tolerances.reach[1])
+        comfortable = 0.5 * (scale * PLACEMENT_TOLERANCES.reach[0] + scale * PLACEMENT_TOLERANCES.reach[1])
         far = np.linalg.norm(places - base, axis=1)
         easy = 1.0 - np.minimum(1.0, np.abs(far - comfortable) / comfortable)
-    stand = 1.0 - rest.turn / np.pi + min(1.0, rest.steadiness / tolerances.steady)
+    stand = 1.0 - rest.turn / np.pi + min(1.0, rest.steadiness / PLACEMENT_TOLERANCES.steady)
     heading = 1.0 - min(turn, 1.0 - turn)
-    score = 0.3 * np.minimum(1.0, room / tolerances.good_gap) + 0.15 * way + 0.15 * easy
-    return np.where(room > tolerances.gap, score + 0.1 * heading + 0.15 * stand, -1.0)
+    score = 0.3 * np.minimum(1.0, room / PLACEMENT_TOLERANCES.good_gap) + 0.15 * way + 0.15 * easy
+    return np.where(room > PLACEMENT_TOLERANCES.gap, score + 0.1 * heading + 0.15 * stand, -1.0)
 
 
 def _spread_out(found: list[_Spot], limit: int) -> list[_Spot]:

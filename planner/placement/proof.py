@@ -4,17 +4,16 @@ The planner asks it of a place before it plans a way there; the check of a finis
 numbers the plan was written with.
 """
 
-from contextlib import ExitStack
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.away import BODIES, IN_HAND, Away
-from topple.planner.placement.drops import Drops
 from topple.planner.placement.placement import Placement
-from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
+from topple.planner.simulate.sandbox import Sandbox
 from topple.robots.engines import INSTALLED
 from topple.robots.poses import angle_between
 from topple.topology.base.arrays import FloatArray
@@ -53,7 +52,7 @@ class Settled:
 
 
 class Proof:
-    """Lets an object go at one place after the other, to be used with `with`.
+    """Lets an object go at one place after the other.
 
     On a table it is asked with the hidden sides, which it may have to stand on; on or in another
     thing it was lowered by what was seen of both, and is asked by that.
@@ -63,7 +62,7 @@ class Proof:
         situation: Where it is now.
         riding: What lies in the object and goes with it.
         beside: Bodies that are no part of the scene, by name.
-        rehearsal: The world to do it in; one of its own where None.
+        sandbox: The world to do it in; one of its own where None.
     """
 
     def __init__(
@@ -72,40 +71,23 @@ class Proof:
         situation: Situation,
         riding: tuple[str, ...] = (),
         beside: Solids | None = None,
-        rehearsal: Rehearsal | None = None,
+        sandbox: Sandbox | None = None,
     ) -> None:
         self.name, self._up, bodies = name, situation.up, situation.solids
-        self._others = {other: parts for other, parts in bodies.items() if other not in (name, *riding)}
-        self._others |= beside or {}
-        self._own = {False: bodies[name], True: situation.completed[name]}
-        self._rehearsal, self._drops = rehearsal, dict[bool, Drops]()
-        self._known: dict[Placement, Settled] = {}
-        self._worlds = ExitStack()
-
-    def __enter__(self) -> "Proof":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._worlds.close()
+        staying = {other: parts for other, parts in bodies.items() if other not in riding}
+        there: Solids = {**staying, **(beside or {})}
+        self._bodies = {False: there, True: {**there, name: situation.completed[name]}}
+        self._sandbox, self._known = sandbox or Sandbox(), dict[Placement, Settled]()
 
     def settled(self, place: Placement) -> Settled:
         """How the object ends that is let go at a place; each place is tried once."""
         if place not in self._known:
-            on_table = place.into is None and place.how != Away.BIN
-            if on_table not in self._drops:
-                self._worlds.close()  # the world is lent to one at a time
-                bodies = {**self._others, self.name: self._own[on_table]}
-                drops = Drops(self.name, bodies, self._up, rehearsal=self._rehearsal)
-                self._drops = {on_table: self._worlds.enter_context(drops)}
-            inside = {PlaceRelation.WITHIN: place.into, Away.BIN: BODIES[Away.BIN]}
-            container = inside.get(place.how) if isinstance(place.how, (PlaceRelation, Away)) else None
-            self._known[place] = settled(
-                self._drops[on_table],
-                place.pose_before_to_after,
-                place.pose_at_rest(self._up),
-                None if container is None else np.vstack(self._others[container]),
-                self._up,
-            )
+            bodies, up = self._bodies[place.into is None and place.how != Away.BIN], self._up
+            if self._sandbox.bodies is not bodies:
+                self._sandbox.fill(self.name, bodies, up)
+            container, meant = container_of(place.how, place.into), place.pose_at_rest(up)
+            around = None if container is None else bodies[container]
+            self._known[place] = settled(self._sandbox, place.pose_before_to_after, meant, around, up)
         return self._known[place]
 
     def holds(self, place: Placement) -> bool:
@@ -115,29 +97,35 @@ class Proof:
         return not place.falls and (not INSTALLED or self.settled(place).within(PROOF_SPARE))
 
 
+def container_of(how: str | None, into: str | None) -> str | None:
+    """What an object is put into, where it may roll; None where it is put onto something."""
+    return into if how == PlaceRelation.WITHIN else BODIES[Away.BIN] if how == Away.BIN else None
+
+
 def settled(
-    drops: Drops,
+    sandbox: Sandbox,
     pose_before_to_release: FloatArray,
     pose_before_to_meant: FloatArray,
-    container: FloatArray | None,
+    container: Sequence[FloatArray] | None,
     up: FloatArray,
 ) -> Settled:
     """Let an object go.
 
     Args:
-        drops: The world with the object.
+        sandbox: The world with the object.
         pose_before_to_release: (4, 4) rigid transform in the world to where it is let go.
         pose_before_to_meant: (4, 4) to where it is meant to rest.
-        container: (N, 3) points of what it is put into; None where it is put onto something.
+        container: Convex parts of what it is put into; None where it is put onto something.
         up: (3,) unit vector.
 
     Returns:
         How it ends.
     """
-    centre, rest = np.append(drops.centre_of_mass, 1.0), drops.rest(pose_before_to_release)
-    shift = float(np.linalg.norm(((rest - pose_before_to_meant) @ centre)[:3]))
-    outside = None if container is None else _beyond((rest @ centre)[:3], container, up)
-    return Settled(shift, angle_between(pose_before_to_meant, rest), outside)
+    rest = sandbox.release(pose_before_to_release)
+    place = (rest @ np.append(sandbox.body.centre_of_mass, 1.0))[:3]
+    outside = None if container is None else _beyond(place, np.vstack(container), up)
+    way, turn = sandbox.way(rest, pose_before_to_meant), angle_between(pose_before_to_meant, rest)
+    return Settled(way, turn, outside)
 
 
 def _beyond(place: FloatArray, points: FloatArray, up: FloatArray) -> float:

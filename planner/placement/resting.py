@@ -81,7 +81,6 @@ def resting_poses(
     cloud: FloatArray,
     parts: Sequence[FloatArray],
     up: FloatArray,
-    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
     centre: FloatArray | None = None,
 ) -> list[Rest]:
     """The faces an object can stand on: flat ones before rounds it could roll on, then the least turn first.
@@ -90,7 +89,6 @@ def resting_poses(
         cloud: (N, 3) its points [m].
         parts: Its convex parts [m].
         up: (3,) unit vector.
-        tolerances: What counts as one face and as steady.
         centre: (3,) centre of mass [m] where it is known; else the density is taken as even.
 
     Returns:
@@ -106,17 +104,16 @@ def resting_poses(
         turn = float(np.arccos(np.clip(-down @ up, -1.0, 1.0)))
         heights = corners @ down
         stray = FLAT_SHARE * float(np.ptp(heights)) if number < len(flats) else 0.0
-        face = corners[heights > heights.max() - max(tolerances.stray, stray)]
+        face = corners[heights > heights.max() - max(PLACEMENT_TOLERANCES.stray, stray)]
         steadiness = float(inset((face - centre) @ np.stack(level_axes(down), axis=1), np.zeros((1, 2)))[0])
-        if turn <= tolerances.most_turn and steadiness > tolerances.least_steady:
+        if turn <= PLACEMENT_TOLERANCES.most_turn and steadiness > PLACEMENT_TOLERANCES.least_steady:
             barrier = _barrier(corners - centre, down)
-            rolls = barrier < tolerances.least_barrier
+            rolls = barrier < PLACEMENT_TOLERANCES.least_barrier
             found.append(Rest(_rotation_between(down, -up), turn, steadiness, barrier, rolls))
     if not found:
         return [Rest(np.eye(3), 0.0, 0.0, rolls=True)]
-    found.sort(
-        key=lambda rest: (rest.rolls, rest.turn - 0.15 * min(1.0, rest.steadiness / tolerances.steady))
-    )
+    steady = PLACEMENT_TOLERANCES.steady
+    found.sort(key=lambda rest: (rest.rolls, rest.turn - 0.15 * min(1.0, rest.steadiness / steady)))
     kept = list[Rest]()
     for rest in found:  # facets that noise cuts into a face are no faces of their own
         if len(kept) < MOST_RESTS and not any(rest.alike(other) for other in kept):

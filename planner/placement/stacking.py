@@ -9,7 +9,6 @@ from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
-    PlacementTolerances,
     Rest,
     about,
     resting_poses,
@@ -61,7 +60,6 @@ def placements_on(
     how: PlaceRelation | str = PlaceRelation.ON,
     *,
     limit: int = 24,
-    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> list[Placement]:
     """Find how an object can lie on or within another one.
 
@@ -75,7 +73,6 @@ def placements_on(
         where: What is to carry it.
         how: On or within.
         limit: At most so many.
-        tolerances: Height above contact at which it is let go.
 
     Returns:
         Placements, best first; empty where it would not stay. Deterministic.
@@ -90,7 +87,7 @@ def placements_on(
             raise UnknownObject(known, scene.names)
     axes = np.stack(level_axes(up))
     ceiling = float((scene.clouds[where] @ up).max() + np.ptp(scene.clouds[name], axis=0).max())
-    heights = heights_of(scene, up, leave_out=name, ceiling=ceiling + tolerances.headroom)
+    heights = heights_of(scene, up, leave_out=name, ceiling=ceiling + PLACEMENT_TOLERANCES.headroom)
     outline = hull_vertices(scene.clouds[where] @ axes.T)
     low, high = outline.min(axis=0), outline.max(axis=0)
     middle, steps = (low + high) / 2.0, np.linspace(-0.3, 0.3, 7)
@@ -99,7 +96,7 @@ def placements_on(
     body = np.vstack([voxel_means(scene.clouds[name], CELL, ahead=0.0), sampled(solids[name], CELL)])
     centre = centre_in(scene, name, solids[name])
     found: list[Placement] = []
-    for rest in resting_poses(scene.clouds[name], solids[name], up, tolerances, scene.centres.get(name)):
+    for rest in resting_poses(scene.clouds[name], solids[name], up, scene.centres.get(name)):
         for k in range(YAWS):
             rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
             turned = (body - centre) @ rotation.T
@@ -109,7 +106,7 @@ def placements_on(
                 if landing is None:
                     continue
                 score = _score(landing, how, rest, offset, outline - middle, level)
-                for drop in () if score is None else DROPS[how] if how in DROPS else (tolerances.drop,):
+                for drop in () if score is None else DROPS.get(how, (PLACEMENT_TOLERANCES.drop,)):
                     after = axes.T @ (middle + offset) + up * (landing.height + drop)
                     pose = np.eye(4)
                     pose[:3, :3], pose[:3, 3] = rotation, after - rotation @ centre

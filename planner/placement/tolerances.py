@@ -23,9 +23,6 @@ SEEDS = 6
 
 # -- drops
 
-SECONDS = 1.5
-"""Of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second."""
-
 CLEAR = 0.01
 """[m] beside what lies in a container: more than two bodies and a drop are off by."""
 

@@ -14,10 +14,8 @@ from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_robot import arm_data
 from topple.planner.formats.plan_structs import DependencyData, ObjectData, Step
-from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.placement.away import Away, Destination, Receiver
-from topple.planner.placement.rehearsal import Rehearsal
+from topple.planner.placement.away import Away, Destination
 from topple.planner.planning.order import ordered
 from topple.planner.planning.plan_data import (
     DIGITS,
@@ -29,11 +27,10 @@ from topple.planner.planning.plan_data import (
     step_data,
 )
 from topple.planner.planning.plan_format import Plan
-from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
+from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import moved
@@ -42,27 +39,23 @@ from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
 Progress = Callable[[str], None]
-_Before = tuple[Situation, FloatArray, dict[str, FloatArray], dict[str, Sequence[FloatArray]]]
-"""The situation, the joint values [rad], how things were moved and what is beside."""
+_Before = tuple[Situation, Context, dict[str, FloatArray]]
+"""The situation, what the step was chosen in, and how things were moved."""
 
 
 @dataclass
 class PlanBuilder:
     """A plan in the making: the situation as it should be by now, and the steps that lead there.
 
-    `reasons` has each dependency with the index of the step it was first seen at, `chosen` each step as it
-    was chosen, `before` what held before each, and `barred` what was undone.
+    `context` is what the next step is chosen in, but for what follows from the steps. `reasons` has each
+    dependency with the index of the step it was first seen at, `chosen` each step as it was chosen, `before`
+    what held before each, and `barred` what was undone.
     """
 
     situation: Situation
     goal: Goal
-    arm: Arm
-    pose_base_to_world: FloatArray
-    q: FloatArray
-    upright: frozenset[str]
-    seed: int
-    progress: Progress | None
-    allow_drop: bool = False
+    context: Context
+    progress: Progress | None = None
     steps: list[Step] = field(default_factory=list[Step])
     tried: Counter[str] = field(default_factory=Counter[str])
     chosen: list[NextStep] = field(default_factory=list[NextStep])
@@ -71,24 +64,19 @@ class PlanBuilder:
     reasons: dict[tuple[str, str], tuple[int, DependencyData]] = field(
         default_factory=dict[tuple[str, str], tuple[int, DependencyData]]
     )
-    grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
-    orderer: Orderer = ordered
-    clamped: frozenset[str] = frozenset()
-    away: Receiver | None = None
-    beside: dict[str, Sequence[FloatArray]] = field(default_factory=dict[str, Sequence[FloatArray]])
 
     def __post_init__(self) -> None:
         self.started = self.last = time.perf_counter()
-        self.up = self.situation.up
+        self.up, self.start = self.situation.up, self.context.station.q
         self.objects = objects_data(self.situation)
         self.moved: dict[str, FloatArray] = {}
 
     def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
         """Choose one step after the other; `asked` gives the relations before each where there is one."""
         known, ordered_in = None, self.situation
-        with Rehearsal(self.up) as rehearsal:
+        with self.context.sandbox:
             for _ in range(MOST_STEPS * len(self.situation.movable)):
-                context = self._context(rehearsal, known)
+                context = self._context(known)
                 try:
                     chosen = task.chooser(self.situation, self.goal, context).choose()
                 except NoSafePlan:
@@ -100,7 +88,7 @@ class PlanBuilder:
                 if known is None or chosen.order.supports is not known.supports:
                     ordered_in = self.situation  # it was asked anew
                 known = None
-                if self.orderer is ordered and asked is None and not self.upright:
+                if context.orderer is ordered and asked is None and not context.upright:
                     known = _left_by(chosen, ordered_in)
                 self.take(chosen)
                 if asked is not None:
@@ -110,17 +98,19 @@ class PlanBuilder:
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))
 
-    def _context(self, rehearsal: Rehearsal, known: Order | None) -> Context:
-        """What the next step is chosen in."""
+    def _context(self, known: Order | None) -> Context:
+        """What the next step is chosen in, with what an order from before leaves."""
         avoid = dict[str, list[Grasp]]()
         for transfer in self.barred:
             avoid.setdefault(transfer.object, []).append(transfer.grasp)
-        return Context(
-            Station(self.arm, self.pose_base_to_world, self.q), self.done(), upright=self.upright,
-            allow_drop=self.allow_drop, orderer=self.orderer, grasps=self.own(), seed=self.seed,
-            clamped=self.clamped - self.moved.keys(), obstacles=dict(self.beside), away=self.away,
-            avoid=avoid, barred=[transfer.placement for transfer in self.barred], rehearsal=rehearsal,
-            known=known,
+        own = {
+            name: [grasp.moved(self.moved[name]) for grasp in some] if name in self.moved else some
+            for name, some in self.context.grasps.items()
+        }
+        return replace(
+            self.context, done=[(chosen.transfer.object, chosen.action) for chosen in self.chosen],
+            grasps=own, clamped=self.context.clamped - self.moved.keys(), avoid=avoid,
+            barred=[transfer.placement for transfer in self.barred], known=known,
         )  # fmt: skip
 
     def send_away(self, destination: Destination) -> None:
@@ -129,59 +119,48 @@ class PlanBuilder:
         Raises:
             InvalidInput: There is no room for it, or the goal is an arrangement.
         """
-        away = destination.at(self.situation, self.pose_base_to_world)
+        away = destination.at(self.situation, self.context.station.pose_base_to_world)
         if away is None:
             return
         if self.goal.poses:
             raise InvalidInput(f"away {destination.how}: an arrangement puts things to places of its own")
-        self.away = away
-        self.beside.update(away.bodies)
+        self.context = replace(self.context, away=away, obstacles=away.bodies)
         self.objects += [ObjectData(name, True, rounded_parts(some)) for name, some in away.bodies.items()]
-
-    def done(self) -> list[tuple[str, str]]:
-        """Object and action of each step so far."""
-        return [(chosen.transfer.object, chosen.action) for chosen in self.chosen]
 
     def undo(self, index: int) -> None:
         """Take back the steps from one on, whose grasp and place are not tried again if there are others."""
         self.barred.append(self.chosen[index].transfer)
-        self.situation, self.q, self.moved, self.beside = self.before[index]
+        self.situation, self.context, self.moved = self.before[index]
         self.reasons = {pair: since for pair, since in self.reasons.items() if since[0] < index}
         del self.steps[index:], self.chosen[index:], self.before[index:]
 
-    def own(self) -> GraspsByObject:
-        """The caller's grasps where their objects are by now."""
-        return {
-            name: [grasp.moved(self.moved[name]) for grasp in some] if name in self.moved else some
-            for name, some in self.grasps.items()
-        }
-
-    def plan(self, q_start: FloatArray, base_searched: bool, assumptions: Sequence[str]) -> Plan:
+    def plan(self, base_searched: bool, assumptions: Sequence[str]) -> Plan:
         """What was planned, as data."""
+        context, arm = self.context, self.context.station.arm
         return Plan(
             goal=self.goal.text,
             poses={name: np.round(pose, DIGITS).tolist() for name, pose in self.goal.poses.items()},
-            robot=self.arm.name,
-            arm=arm_data(self.arm),
-            joints=list(self.arm.joints),
-            seed=self.seed,
-            pose_base_to_world=self.pose_base_to_world.tolist(),
+            robot=arm.name,
+            arm=arm_data(arm),
+            joints=list(arm.joints),
+            seed=context.seed,
+            pose_base_to_world=context.station.pose_base_to_world.tolist(),
             base_searched=base_searched,
-            q_start=q_start.tolist(),
+            q_start=self.start.tolist(),
             order=[step.object for step in self.steps],
             dependencies=self.dependencies(),
             steps=self.steps,
             objects=self.objects,
             up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
-            upright=sorted(self.upright),
-            clamped=sorted(self.clamped),
+            upright=sorted(context.upright),
+            clamped=sorted(context.clamped),
             assumptions=[
                 *assumptions,
-                *fixture_assumptions(self.clamped),
+                *fixture_assumptions(context.clamped),
                 *said_unseen(self.steps),
-                *([] if self.away is None else [self.away.assumption()]),
+                *([] if context.away is None else [context.away.assumption()]),
             ],
-            away=None if self.away is None else away_data(self.away),
+            away=None if context.away is None else away_data(context.away),
             certified=all(
                 segment.certified for step in self.steps for segment in step.segments if segment.motion
             ),
@@ -215,7 +194,7 @@ class PlanBuilder:
 
     def take(self, chosen: NextStep) -> None:
         """Add a step, and go on from where it leads."""
-        self.before.append((self.situation, self.q, dict(self.moved), dict(self.beside)))
+        self.before.append((self.situation, self.context, dict(self.moved)))
         self.chosen.append(chosen)
         for edge in chosen.order.graph.dependencies:
             self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
@@ -229,14 +208,17 @@ class PlanBuilder:
         before, self.last = self.last, time.perf_counter()
         falls = transfer.placement.falls
         reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
-        if transfer.object in self.clamped - self.moved.keys():
+        if transfer.object in self.context.clamped - self.moved.keys():
             reason = f"{reason}; the fixture lets go once the hand holds it"
         self.steps.append(step_data(chosen, reason, since, self.moved, self.last - before, against))
         self.tried.update(transfer.tried)
         pose = transfer.placement.pose_at_rest(self.up)
+        context = self.context
         if transfer.placement.how is Away.ZONE:
-            self.beside[transfer.object] = moved(self.situation.solids[transfer.object], pose)
-        self.situation, self.q = after(self.situation, transfer), transfer.q_end
+            there = {transfer.object: moved(self.situation.solids[transfer.object], pose)}
+            context = replace(context, obstacles={**context.obstacles, **there})
+        self.context = replace(context, station=replace(context.station, q=transfer.q_end))
+        self.situation = after(self.situation, transfer)
         for name in (transfer.object, *transfer.riding):
             self.moved[name] = pose @ self.moved.get(name, np.eye(4))
         if self.progress is not None:

@@ -13,9 +13,10 @@ from topple.planner.motion.other_arm import arm_bodies, surface_points
 from topple.planner.planning.step import Context, NextStep, Station
 from topple.planner.planning.tolerances import APART, GRIPS
 from topple.planner.planning.transfers import Transfers
-from topple.planner.transfer.grip import Grip, Grips, letting_go
+from topple.planner.transfer.grip import Grips, letting_go
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.prediction import after
+from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
@@ -109,7 +110,7 @@ class HoldPlanner:
             if any(map(choice.alike, tried)) or (grip := choice.grips.proven(choice.state)) is None:
                 continue
             tried.append(choice)
-            steps = self._steps(grip, choice.taker, choice.holder)
+            steps = self._steps(grip, choice)
             if isinstance(steps, NextStep):
                 return steps
             failure = failure or steps
@@ -119,7 +120,7 @@ class HoldPlanner:
         """The ways of one arm to hold the object, best grasps first, with the room they leave the other."""
         beside = standing_by(self._prefix(taker), taker)
         handling = self._handling(holder, beside, self.situation)
-        grips = Grips(handling, holder.q, log, avoid=self.context.avoid.get(self.hold.object, ()))
+        grips = Grips(handling, holder.q, log, self.context.avoid.get(self.hold.object, ()))
         if not grips.states:
             return []
         alone = Transfers(self.situation, replace(self.context, station=taker, obstacles={}))
@@ -136,9 +137,10 @@ class HoldPlanner:
             found.append(_Choice(grips, state, taker, holder, room))
         return found
 
-    def _steps(self, grip: Grip, taker: Station, holder: Station) -> NextStep | TransferFailure:
+    def _steps(self, grip: Transfer, choice: _Choice) -> NextStep | TransferFailure:
         """The steps with one grip, or what the first of them that fails fails of."""
-        hold, situation, second = self.hold, self.situation, taker is self.context.second
+        hold, situation, taker, holder = self.hold, self.situation, choice.taker, choice.holder
+        second = taker is self.context.second
         home = replace(taker, q=np.asarray(taker.arm.home))
         taking = replace(self.context, station=taker, obstacles=self._holding(holder, grip))
         steps: list[NextStep] = []
@@ -150,15 +152,15 @@ class HoldPlanner:
             steps.append(NextStep(found, self.action(name), why, self.order, by_second=second))
             situation, taking = after(situation, found), replace(taking, station=home)
         away, name = standing_by(self._prefix(taker), home), hold.object
-        steps[0] = replace(steps[0], grip=grip.transfer)
+        steps[0] = replace(steps[0], grip=grip)
         if hold.until != name:
-            left = letting_go(grip, self._handling(holder, away, situation))
+            left = letting_go(choice.state, self._handling(holder, away, situation))
             if isinstance(left, TransferFailure):
                 return left
             steps[-1] = replace(steps[-1], let_go=left)
         else:
-            there = replace(self.context, station=replace(holder, q=grip.state.q), obstacles=away)
-            last = Transfers(situation, there, held=grip.state).aside(name, self.remaining(name))
+            there = replace(self.context, station=replace(holder, q=grip.q_end), obstacles=away)
+            last = Transfers(situation, there, held=choice.state).aside(name, self.remaining(name))
             if isinstance(last, TransferFailure):
                 return last
             why = f"the arm that takes it holds it, and it would not stand without {hold.since}"
@@ -172,9 +174,9 @@ class HoldPlanner:
             seed=self.context.seed, obstacles=beside,
         )  # fmt: skip
 
-    def _holding(self, holder: Station, grip: Grip) -> Solids:
+    def _holding(self, holder: Station, grip: Transfer) -> Solids:
         """The bodies of the arm that holds."""
-        q, hand = grip.state.q, grip.hand
+        q, hand = grip.q_end, grip.segments[-1].hand
         return arm_bodies(self._prefix(holder), holder.arm, holder.pose_base_to_world, q, (hand,))
 
     def _prefix(self, station: Station) -> str:

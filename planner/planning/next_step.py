@@ -14,7 +14,7 @@ from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
-from topple.planner.failure import Check, FailedCheck, TransferFailure
+from topple.planner.failure import TransferFailure
 from topple.planner.fallbacks import Fallback
 from topple.planner.placement.drops import staying
 from topple.planner.placement.placement import Placement
@@ -25,7 +25,6 @@ from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
-from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.situation.situation import Situation
 
@@ -189,7 +188,47 @@ class StepChooser:
             why = f"{later} below it has to come out before {name} is put there"
             return self.take_off([where], Action.REMOVE, why)
         contents = self._in_the_way(place) if place.how == PlaceRelation.WITHIN else []
-        return _Placing(self, place, chosen, contents).step()
+        return self._placed(place, chosen, contents)
+
+    def _placed(self, place: Place, chosen: Order, contents: Sequence[str]) -> NextStep:
+        """The object to the best spots; into a vessel with contents only where it pushes none of them.
+
+        Raises:
+            NoSafePlan: No way works, of the contents out in their safe order neither.
+        """
+        name, failed = place.object, list[TransferFailure]()
+        done, stuck = (name, Action.PLACE) in self.context.done, list[NoSafePlan]()
+
+        def into(spots: Sequence[Placement], limits: TransferLimits) -> NextStep | None:
+            room = [spot for spot in spots if spot.drop <= GENTLE]
+            if done and contents:
+                room = []  # it was tried, and it is not there: more room is needed
+            found = self.transfers.to(name, room, limits) if room else no_room(place)
+            if isinstance(found, Transfer):
+                return NextStep(found, Action.PLACE, f"it goes {place.how} {place.where}", chosen)
+            failed.append(found)
+            return None
+
+        def straight() -> NextStep | None:
+            every, gentle, kept = self.spots(place, CHOICE)
+            return into(gentle if contents else gentle or kept or every, TRANSFER_LIMITS)
+
+        def empty() -> NextStep | None:
+            try:
+                return self.take_off(contents, Action.REMOVE, f"{name} needs room in {place.where}")
+            except NoSafePlan as error:
+                stuck.append(error)
+                return None
+
+        options: list[Option] = [(None, straight)]
+        if contents:
+            options += [
+                (Fallback.LOOK_LONGER, lambda: into(self.spots(place, MORE_CHOICE)[1], MORE_HANDS)),
+                (Fallback.EMPTY, empty),
+            ]
+        if (step := _first(options)) is not None:
+            return step
+        raise stuck[0] if stuck else NoSafePlan(str(failed[-1]), (str(failed[-1]),), (failed[-1],))
 
     def spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
@@ -260,68 +299,6 @@ class StepChooser:
         return frozenset(named.union(self._needed, self._not_free()) - {name})
 
 
-class _Placing:
-    """The ways to put one object where a goal wants it."""
-
-    def __init__(self, chooser: "StepChooser", place: Place, chosen: Order, contents: Sequence[str]) -> None:
-        self._chooser, self._place = chooser, place
-        self._chosen, self._contents = chosen, contents
-        self._failure: TransferFailure | None = None
-        self._stuck: NoSafePlan | None = None
-
-    def step(self) -> NextStep:
-        """The first way that works.
-
-        Raises:
-            NoSafePlan: None does.
-        """
-        full = bool(self._contents)
-        options: list[Option] = [(None, self._straight)]
-        if full:
-            options += [
-                (Fallback.LOOK_LONGER, self._look_longer),
-                (Fallback.EMPTY, self._empty),
-            ]
-        if (step := _first(options)) is not None:
-            return step
-        if self._stuck is not None:
-            raise self._stuck
-        assert self._failure is not None
-        raise NoSafePlan(str(self._failure), (str(self._failure),), (self._failure,))
-
-    def _straight(self) -> NextStep | None:
-        """To the best spots; into a vessel with contents only where it pushes none of them."""
-        every, self._gentle, self._kept = self._chooser.spots(self._place, CHOICE)
-        spots = self._gentle if self._contents else self._gentle or self._kept or every
-        return self._into(spots, TRANSFER_LIMITS)
-
-    def _look_longer(self) -> NextStep | None:
-        _, self._gentle, self._kept = self._chooser.spots(self._place, MORE_CHOICE)
-        return self._into(self._gentle, MORE_HANDS)
-
-    def _into(self, spots: Sequence[Placement], limits: TransferLimits) -> NextStep | None:
-        """To one of the spots that a fall is not too high to."""
-        place = self._place
-        room = [spot for spot in spots if spot.drop <= GENTLE]
-        if (place.object, Action.PLACE) in self._chooser.context.done and self._contents:
-            room = []  # it was tried, and it is not there: more room is needed
-        found = self._chooser.transfers.to(place.object, room, limits) if room else _no_room(place)
-        if isinstance(found, Transfer):
-            why = f"it goes {place.how} {place.where}"
-            return NextStep(found, Action.PLACE, why, self._chosen)
-        self._failure = found
-        return None
-
-    def _empty(self) -> NextStep | None:
-        """One of the contents out, in their safe order."""
-        why = f"{self._place.object} needs room in {self._place.where}"
-        try:
-            return self._chooser.take_off(self._contents, Action.REMOVE, why)
-        except NoSafePlan as error:
-            self._stuck = error
-            return None
-
-
 def _first(options: Iterable[Option]) -> NextStep | None:
     """What the first rung gives that gives anything, with the rung's name."""
     for name, attempt in options:
@@ -330,6 +307,6 @@ def _first(options: Iterable[Option]) -> NextStep | None:
     return None
 
 
-def _no_room(place: Place) -> TransferFailure:
-    text = f"{place.object} would not stay {place.how} {place.where}"
-    return TransferFailure(place.object, {text: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, text))
+def no_room(place: Place) -> TransferFailure:
+    """That an object would not stay where it shall go."""
+    return TransferFailure.no_place(place.object, f"{place.object} would not stay {place.how} {place.where}")

@@ -174,12 +174,9 @@ def next_views(
     else:
         tried = as_points(eyes, "eyes") @ rotation.T
     views: list[View] = []
-    total = sum(one.weight for one in asked)
+    total, ends = sum(one.weight for one in asked), np.cumsum([len(one.places) for one in asked])[:-1]
     for eye in tried:
-        seen = _visible(np.concatenate([one.places for one in asked]), bodies, eye, middle)
-        shares = [
-            float(part.mean()) for part in np.split(seen, np.cumsum([len(o.places) for o in asked])[:-1])
-        ]
+        shares = [float(part.mean()) for part in np.split(_visible(places, bodies, eye, middle), ends)]
         worth = sum(one.weight * share for one, share in zip(asked, shares, strict=True)) / total
         if worth < LEAST_WORTH:
             continue

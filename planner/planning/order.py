@@ -188,6 +188,9 @@ def _top(surface: FloatArray) -> FloatArray:
 ordered: Callable[..., Order] = partial(order, check_gravity=False)
 """The order of a scene that is planned on, which was checked when the plan began."""
 
+cautious: Callable[..., Order] = partial(order, removal_risk=REMOVAL_RISK, check_gravity=False)
+"""The order for an arm that acts: with the least risk, as removals do harm themselves now and then."""
+
 
 def _witnessed(graph: DependencyGraph, situation: Situation) -> DependencyGraph:
     """The graph with a relation for what simulation alone found: that of what is lifted to what moves."""
@@ -209,33 +212,6 @@ def _kept_still(
     were, are = ({(edge.first, edge.then) for edge in graph.dependencies} for graph in (full, left))
     stays = {pair for pair in chance if pair in were or pair[0] in fixture} - are
     return left, {pair: each for pair, each in chance.items() if pair not in stays}
-
-
-def cautious(
-    scene: "Scene | Situation",
-    targets: Sequence[str],
-    *,
-    relations: "Relations | None" = None,
-    seed: int = 0,
-    beliefs: Beliefs | None = None,
-    hands: int | None = None,
-    clamped: Collection[str] | str = (),
-) -> Order:
-    """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
-
-    Args:
-        scene: A scene that knows where up is, the path of one, or the situation it was read as.
-        targets: Names to free.
-        relations: The scene's relations where they are known.
-        seed: Seed of the simulations, where there are any.
-        beliefs: What earlier looks made of the same things: see `order`.
-        hands: How many hands there are: see `order`.
-        clamped: What a fixture keeps until it is taken: see `order`.
-    """
-    return order(
-        scene, targets, relations=relations, seed=seed, removal_risk=REMOVAL_RISK, beliefs=beliefs,
-        check_gravity=False, hands=hands, clamped=clamped,
-    )  # fmt: skip
 
 
 def _with_access(found: Order, situation: Situation, robot: "Arm | str") -> Order:
@@ -294,10 +270,24 @@ def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[s
     Raises:
         UnknownObject: One is not in the scene.
     """
-    names = frozenset([clamped] if isinstance(clamped, str) else clamped)
+    return check_known(clamped, scene, scene.movable) - scene.fixed
+
+
+def check_known(named: Collection[str] | str, scene: "Scene", known: Sequence[str]) -> frozenset[str]:
+    """Refuse names of what is not there.
+
+    Args:
+        named: Names of objects, one or several.
+        scene: The scene.
+        known: What could have been meant.
+
+    Raises:
+        UnknownObject: One is not in the scene.
+    """
+    names = frozenset([named] if isinstance(named, str) else named)
     if unknown := sorted(names - scene.clouds.keys()):
-        raise UnknownObject(unknown[0], scene.movable)
-    return names - scene.fixed
+        raise UnknownObject(unknown[0], known)
+    return names
 
 
 def check_targets(scene: "Scene", targets: Collection[str] | str | None) -> tuple[str, ...]:

@@ -15,10 +15,10 @@ from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
 from topple.planner.planning.builder import PlanBuilder, Progress, check_relations
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.order import check_clamped, check_masks, ordered
+from topple.planner.planning.order import check_clamped, check_known, check_masks, ordered
 from topple.planner.planning.plan_format import Plan
-from topple.planner.planning.start import check_start, check_upright
-from topple.planner.planning.step import NextStep, Orderer, Station, Task
+from topple.planner.planning.start import check_start
+from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import TRIES
 from topple.planner.verify.claims import SEEN_ORDER
 from topple.robots.arm.arm import Arm
@@ -120,31 +120,23 @@ def plan(
     pose = choose_base(situation, arm) if given is None else given
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     check_start(situation, arm, pose, start)
-    level, fixture = check_upright(scene, upright), check_clamped(scene, clamped)
-    planning = PlanBuilder(
-        situation.with_level_undersides(),
-        wanted,
-        arm,
-        pose,
-        start,
-        level,
-        seed,
-        progress,
-        allow_drop,
-        clamped=fixture,
-    )
+    level, fixture = check_known(upright, scene, scene.names), check_clamped(scene, clamped)
+    own = {} if grasps is None else own_grasps(grasps, scene, arm)
+    context = Context(
+        Station(arm, pose, start), upright=level, clamped=fixture, allow_drop=allow_drop, orderer=orderer,
+        grasps=own, seed=seed,
+    )  # fmt: skip
+    planning = PlanBuilder(situation.with_level_undersides(), wanted, context, progress)
     planning.send_away(Destination.of(away))
-    planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
-    planning.orderer = orderer
     missing = [UNPROVEN] * (not INSTALLED) + [UNCHECKED] * (check and BULLET not in INSTALLED)
     assumed = (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *missing)
 
     def attempt() -> Plan:
         planning.run(task, asked)
-        return planning.plan(start, given is None, assumed)
+        return planning.plan(given is None, assumed)
 
-    own = () if orderer is ordered and relations is None else SEEN_ORDER.names
-    return _held(attempt, planning, scene, own) if check and BULLET in INSTALLED else attempt()
+    theirs = () if orderer is ordered and relations is None else SEEN_ORDER.names
+    return _held(attempt, planning, scene, theirs) if check and BULLET in INSTALLED else attempt()
 
 
 @checked_arguments
@@ -210,7 +202,8 @@ def _held(attempt: Callable[[], Plan], planning: PlanBuilder, scene: Scene, own:
             raise NoSafePlan(words, (*error.certificate, *lines), error.failures) from error
         if planning.progress is not None:
             planning.progress(f"checking the plan by other means (steps: {len(found.steps)})")
-        failed = [each for each in found.verify(scene, planning.arm).failed if each.name not in own]
+        checked = found.verify(scene, planning.context.station.arm)
+        failed = [each for each in checked.failed if each.name not in own]
         if not failed:
             return found
         lines = tuple(f"{each.name}: {each.value:.3g} {each.unit}, {each.witness}" for each in failed)
@@ -224,37 +217,22 @@ def _held(attempt: Callable[[], Plan], planning: PlanBuilder, scene: Scene, own:
 def plan_as_done(
     scene: Scene,
     goal: Goal,
-    station: Station,
+    context: Context,
     steps: Sequence[NextStep],
-    seed: int,
-    clamped: Collection[str] = (),
 ) -> Plan:
     """The plan a closed loop followed: each step planned from a look of its own.
 
     Args:
         scene: What was seen at the start.
         goal: What was wanted.
-        station: The arm as it stood at the start, and before each step again.
+        context: What the first step was chosen in, with the arm as it stood before each.
         steps: What was chosen and done, in order.
-        seed: Of every search.
-        clamped: What a fixture kept where it stood until it was taken.
 
     Returns:
         The plan; an assumption says that the arm goes home between the steps.
     """
-    arm, pose, start = station.arm, station.pose_base_to_world, station.q
-    planning = PlanBuilder(
-        Situation(scene).with_level_undersides(),
-        goal,
-        arm,
-        pose,
-        start,
-        frozenset(),
-        seed,
-        None,
-        clamped=frozenset(clamped),
-    )
+    planning = PlanBuilder(Situation(scene).with_level_undersides(), goal, context)
     for chosen in steps:
         planning.take(chosen)
     note = "each step was planned from a look of its own; between steps the arm goes home"
-    return planning.plan(start, False, (*scene.assumptions, *arm.assumptions, note))
+    return planning.plan(False, (*scene.assumptions, *context.station.arm.assumptions, note))

@@ -1,15 +1,12 @@
-"""What has to hold before anything is planned: the arm stands free, and marks name things that are there."""
-
-from collections.abc import Collection
+"""What has to hold before anything is planned: the arm stands free."""
 
 import numpy as np
 
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
-from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput
 from topple.topology.base.values import rounded
-from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
 
@@ -42,22 +39,3 @@ def check_start(situation: Situation, arm: Arm, pose_base_to_world: FloatArray, 
             f"the start is in collision: {worst.a} of {arm.name} is {rounded(deep)} mm deep in {worst.b}: "
             "move the arm (q_start) or its base (--base X Y Z YAW)"
         )
-
-
-def check_upright(scene: Scene, upright: Collection[str]) -> frozenset[str]:
-    """Refuse marks of what is not there.
-
-    Args:
-        scene: The scene.
-        upright: Names of objects to be kept upright.
-
-    Returns:
-        The names.
-
-    Raises:
-        UnknownObject: A name is not in the scene.
-    """
-    names = frozenset([upright] if isinstance(upright, str) else upright)
-    if unknown := sorted(names - scene.clouds.keys()):
-        raise UnknownObject(unknown[0], scene.names)
-    return names

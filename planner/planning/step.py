@@ -1,9 +1,8 @@
 """A step towards a goal, where the arm stands before it, and what says in which order to take things."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
-from typing import Protocol, cast, runtime_checkable
+from typing import Any, Protocol, cast, runtime_checkable
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
@@ -13,8 +12,8 @@ from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Receiver
 from topple.planner.placement.placement import Placement
-from topple.planner.placement.rehearsal import Rehearsal
 from topple.planner.planning.order import check_masks, check_targets, ordered
+from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
@@ -114,7 +113,7 @@ class Context:
         clamped: What a fixture keeps where it stands until it is taken.
         away: Where things go that are taken; to free places on what is seen where None. What went there and
             is in the way is among the obstacles.
-        rehearsal: The simulated world in which things are let go; None to make one whenever it is asked for.
+        sandbox: The simulated world in which things are let go.
         known: What an order from before leaves, which is not asked anew for the same targets.
     """
 
@@ -126,27 +125,26 @@ class Context:
     barred: Sequence[Placement] = ()
     placed: Mapping[str, Sequence[Grasp]] = field(default_factory=dict[str, Sequence[Grasp]])
     beliefs: Beliefs | None = None
-    upright: Collection[str] = ()
+    upright: frozenset[str] = frozenset()
     allow_drop: bool = False
     orderer: "Orderer" = ordered
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     seed: int = 0
     second: Station | None = None
     obstacles: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
-    clamped: Collection[str] = ()
+    clamped: frozenset[str] = frozenset()
     away: Receiver | None = None
-    rehearsal: Rehearsal | None = None
+    sandbox: Sandbox = field(default_factory=Sandbox)
     known: Order | None = None
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""
         if self.known is not None and self.known.targets == tuple(targets):
             return self.known
-        hands = None if self.second is None else 2
-        return ask(
-            self.orderer, situation, targets,
-            seed=self.seed, beliefs=self.beliefs, hands=hands, clamped=self.clamped,
-        )  # fmt: skip
+        asked: dict[str, Any] = {"seed": self.seed, "beliefs": self.beliefs}
+        asked |= {} if self.second is None else {"hands": 2}
+        asked |= {"clamped": tuple(self.clamped)} if self.clamped else {}
+        return ask(self.orderer, situation, targets, **asked)
 
 
 @runtime_checkable
@@ -252,35 +250,20 @@ ORDERERS: Table[Orderer] = Table(
 """By name: the fewest removals, as in plans, the least risk, as in runs, and what other packages add."""
 
 
-def ask(
-    orderer: Orderer,
-    situation: Situation,
-    targets: Sequence[str],
-    *,
-    seed: int = 0,
-    beliefs: Beliefs | None = None,
-    hands: int | None = None,
-    clamped: Collection[str] = (),
-) -> Order:
+def ask(orderer: Orderer, situation: Situation, targets: Sequence[str], **asked: Any) -> Order:
     """Ask an orderer, and refuse what it must not answer.
 
     Args:
         orderer: Whoever says in which order to take things.
         situation: What is seen.
         targets: Names to free, each in the scene.
-        seed: Of every search.
-        beliefs: What earlier looks made of the same things.
-        hands: How many hands there are, where it is more than the one that takes: the keyword is left out
-            otherwise.
-        clamped: What a fixture keeps where it stands, likewise.
+        **asked: What it is asked with; what is plain, as one hand and no fixture, is left out.
 
     Raises:
         InvalidInput: Its answer is no order.
         UnknownObject: It takes what is not there, or never moves.
     """
-    more = ({} if hands is None else {"hands": hands}) | ({"clamped": tuple(clamped)} if clamped else {})
-    asked = partial(cast(Callable[..., Order], orderer), **more)
-    chosen = cast(object, asked(situation, targets, seed=seed, beliefs=beliefs))  # whatever it is
+    chosen = cast(object, cast(Callable[..., Order], orderer)(situation, targets, **asked))  # whatever it is
     scene = situation.scene
     if not isinstance(chosen, Order):
         raise InvalidInput(
@@ -315,4 +298,4 @@ def order_by(
     """
     wanted = check_targets(scene, targets)
     scene = check_masks(Situation(scene, relations), wanted)
-    return ask(orderer, Situation(scene, relations), wanted or scene.movable, seed=seed)
+    return ask(orderer, Situation(scene, relations), wanted or scene.movable, seed=seed, beliefs=None)

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
-from topple.planner.failure import Check, FailedCheck, FailureLog, TransferFailure
+from topple.planner.failure import FailureLog, TransferFailure
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.given import doable
@@ -19,7 +19,6 @@ from topple.planner.planning.step import Context
 from topple.planner.planning.tolerances import BESIDE, MORE_PLACES
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
-from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import NO_PLACE, Transfer, no_grasp, plan_transfer
 from topple.robots.arm.home import scale_of, workplace_of
 from topple.robots.collision.fcl_bodies import apart
@@ -64,7 +63,7 @@ class Transfers:
         if away is not None:
             places = away.places(name, self.situation.with_completed(name), self.context.obstacles)
             if away.how is Away.ZONE:
-                places = standing(places, name, self.situation, away.bodies, self.context.rehearsal)
+                places = standing(places, name, self.situation, away.bodies, self.context.sandbox)
             return self.to(name, places)
         find = partial(
             placements,
@@ -77,7 +76,7 @@ class Transfers:
         )
         places = find(avoid=[own, *wanted]) or find(avoid=wanted) or (find() if wanted else [])
         limits = MORE_HANDS if longer else TRANSFER_LIMITS
-        places = standing(places, name, self.situation, rehearsal=self.context.rehearsal)
+        places = standing(places, name, self.situation, sandbox=self.context.sandbox)
         return self.to(name, places, limits)
 
     def to(
@@ -106,12 +105,12 @@ class Transfers:
         if self.context.observed:  # what is seen of it may be wrong: the best of all hands takes it
             return transfer(limits=replace(limits, enough=float("inf")))
         beside = {} if context.away is None else context.obstacles
-        with Proof(name, self.situation, self.riding(name), beside, context.rehearsal) as proof:
-            found = transfer(holds=proof.holds)
-            if isinstance(found, TransferFailure) and self.context.allow_drop:
-                found = transfer()
-                return found if isinstance(found, TransferFailure) else _falling(found, proof)
-            return found
+        proof = Proof(name, self.situation, self.riding(name), beside, context.sandbox)
+        found = transfer(holds=proof.holds)
+        if isinstance(found, TransferFailure) and self.context.allow_drop:
+            found = transfer()
+            return found if isinstance(found, TransferFailure) else _falling(found, proof)
+        return found
 
     def explained(self, failure: TransferFailure) -> TransferFailure:
         """A failure for want of a place with its reason; any other as it is."""
@@ -119,7 +118,7 @@ class Transfers:
             return failure
         station, name = self.context.station, failure.object
         why = shortage(name, self.situation.with_completed(name), station.arm, station.pose_base_to_world)
-        return TransferFailure(name, {why: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, why))
+        return TransferFailure.no_place(name, why)
 
     def barring(self, failure: TransferFailure) -> list[str]:
         """Movable objects whose removal may help: those met in the search, and those beside.

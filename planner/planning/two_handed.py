@@ -11,6 +11,7 @@ from topple.planner.planning.holding import SECOND, check_second, standing_by
 from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
+from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
@@ -77,17 +78,18 @@ def plan_two_handed(
         check_start(situation, arm, station.pose_base_to_world, station.q)
     done: list[tuple[str, str]] = []
     steps: list[NextStep] = []
-    for _ in range(MOST_STEPS * len(situation.movable)):
-        context = Context(
-            first, done, allow_drop=allow_drop, seed=seed,
-            second=second, obstacles=standing_by(SECOND, second),
-        )  # fmt: skip
-        chosen = task.chooser(situation, wanted, context).choose()
-        if chosen is None:
-            return tuple(steps)
-        for step in (replace(chosen, then=()), *chosen.then):
-            steps.append(step)
-            done.append((step.transfer.object, step.action))
-            situation = after(situation, step.transfer)
+    with Sandbox() as sandbox:
+        for _ in range(MOST_STEPS * len(situation.movable)):
+            context = Context(
+                first, done, allow_drop=allow_drop, seed=seed,
+                second=second, obstacles=standing_by(SECOND, second), sandbox=sandbox,
+            )  # fmt: skip
+            chosen = task.chooser(situation, wanted, context).choose()
+            if chosen is None:
+                return tuple(steps)
+            for step in (replace(chosen, then=()), *chosen.then):
+                steps.append(step)
+                done.append((step.transfer.object, step.action))
+                situation = after(situation, step.transfer)
     words = f"no end after {len(steps)} steps"
     raise NoSafePlan(words, (words,))

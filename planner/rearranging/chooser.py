@@ -9,12 +9,12 @@ import numpy as np
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, holds
 from topple.planner.errors import NoSafePlan
-from topple.planner.failure import Check, FailedCheck, TransferFailure
+from topple.planner.failure import TransferFailure
 from topple.planner.fallbacks import Fallback
 from topple.planner.placement.lowered import lowered
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import about
-from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.next_step import StepChooser, no_room
 from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import CHOICE
 from topple.planner.planning.transfers import Transfers
@@ -155,8 +155,7 @@ class MoveChooser:
             below = "nothing" if place is None else place.into or "something"
             text = f"{name} has {below} under its place"
             barring = {} if place is None or place.into is None else {place.into: 1}
-            failed = FailedCheck(SegmentKind.PLACE, Check.ROOM, text)
-            return TransferFailure(name, {text: 1}, next(iter(barring), None), failed, barring)
+            return TransferFailure.no_place(name, text, barring)
         # It comes to lie as it is told: higher by the noise of two clouds each, upper ones of a tower float.
         told = replace(place, drop=place.drop + max(0.0, raised))
         return self._transfers.to(name, self._turned(name, told))
@@ -166,10 +165,7 @@ class MoveChooser:
         name, contents = place.object, self._transfers.inside(place.where)
         every, gentle, kept = StepChooser(self._situation, self._goal, self._context).spots(place, CHOICE)
         spots = gentle if set(contents) - {name} else gentle or kept or every
-        if not spots:
-            text = f"{name} would not stay {place.how} {place.where}"
-            return TransferFailure(name, {text: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, text))
-        return self._transfers.to(name, spots)
+        return self._transfers.to(name, spots) if spots else no_room(place)
 
     def _turned(self, name: str, place: Placement) -> list[Placement]:
         """A placement, and those that look the same as the object is turned onto itself."""

@@ -16,6 +16,7 @@ from topple.planner.placement.resting import about, resting_poses
 from topple.planner.placement.stacking import placements_on
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.tolerances import BESIDE, CHOICE, HEADINGS
+from topple.planner.simulate.sandbox import Sandbox
 from topple.robots.collision.fcl_bodies import apart
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
@@ -229,7 +230,8 @@ class _Laying:
         Raises:
             NoSafePlan: There is none.
         """
-        with Proof(name, there) as proof:
+        with Sandbox() as sandbox:
+            proof = Proof(name, there, sandbox=sandbox)
             held = next((place for place in places if proof.holds(place)), None)
         if held is None:
             words = f"{name} would stay nowhere where the words put it"

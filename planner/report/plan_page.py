@@ -8,7 +8,7 @@ from msgspec import to_builtins
 
 from topple.planner.decide.names import spoken
 from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_rows, sentence
-from topple.planner.formats.arm_motion import ArmMotion, Carry
+from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
 from topple.planner.placement.away import BODIES
@@ -101,7 +101,7 @@ def plan_motion(plan: Plan, arm: Arm) -> ArmMotion | None:
     """Key frames of a whole plan: None where nothing moves."""
     base, up = np.array(plan.pose_base_to_world), np.array(plan.up)
     carries = [
-        Carry(step.segments, [held.object for held in step.attachments], -step.placement.drop * up)
+        (step.segments, [held.object for held in step.attachments], -step.placement.drop * up)
         for step in plan.steps
     ]
     return ArmMotion.of(arm, base, carries)

@@ -7,6 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from topple.planner.simulate.tolerances import DOWNWARD, HIGHER, LIFT, SPEED
+from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.poses import angle_between
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
@@ -25,6 +26,11 @@ class Move:
 
     distance: float
     angle: float
+
+    @property
+    def share(self) -> float:
+        """What it is of as much as counts, a centimetre or ten degrees."""
+        return max(self.distance / DISTURBED, self.angle / TURNED)
 
     def beyond(self, distance: float, degrees: float) -> bool:
         """Whether it moved further than a distance [m] or turned by more than some degrees."""

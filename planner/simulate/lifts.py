@@ -1,7 +1,6 @@
 """Take something away in simulation: what moves?"""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
 def take_away(
     world: World,
     name: str,
-    seconds: float = SETTLE,
     before: Mapping[str, FloatArray] | None = None,
     watch: Callable[[World], None] | None = None,
 ) -> dict[str, Move]:
@@ -30,7 +28,6 @@ def take_away(
     Args:
         world: A world at rest.
         name: What is lifted.
-        seconds: Time to settle after the lift [s].
         before: name -> (4, 4) pose that the others are compared with: where they would be had nothing been
             lifted. Where they are now, if not given.
         watch: Called after every step of the lift, and once all is over, before the world is put back.
@@ -46,7 +43,7 @@ def take_away(
     turn = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[1]
     # Out of reach of everything, where it falls for as long as the others settle.
     pybullet.resetBasePositionAndOrientation(number, (0, 0, 1e3), turn, physicsClientId=client)
-    for _ in range(round(seconds / world.time_step / 24)):
+    for _ in range(round(SETTLE / world.time_step / 24)):
         world.step(24)
         if _at_rest(world, name):
             break
@@ -63,27 +60,10 @@ def _at_rest(world: World, lifted: str) -> bool:
     """Whether nothing moves but the lifted body."""
     for name in world.movable:
         if name != lifted:
-            linear, angular = pybullet.getBaseVelocity(world.ids[name], physicsClientId=world.client)
-            if np.linalg.norm(linear) > STILL or np.linalg.norm(angular) > 10 * STILL:
+            speed, turn = world.speeds(name)
+            if speed > STILL or turn > 10 * STILL:
                 return False
     return True
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One way the world may be, within what the clouds leave open.
-
-    Attributes:
-        between: Friction between objects, where it is not known.
-        table: Friction with what is fixed, likewise.
-        jitter: Standard deviation [m] of where each body really is, along each axis.
-        seed: Seed of the jitter.
-    """
-
-    between: float
-    table: float
-    jitter: float
-    seed: int
 
 
 class Stage:
@@ -94,15 +74,17 @@ class Stage:
         sagged: name -> how far it moved before anything was taken: how wrong its rebuilt body is.
     """
 
-    def __init__(self, rebuilt: "Rebuilt", trial: Trial) -> None:
+    def __init__(self, rebuilt: "Rebuilt", between: float, table: float) -> None:
         """Build the world, let it come to rest, and see where everything stays if nothing is done.
 
         Args:
             rebuilt: The bodies.
-            trial: The friction, of surfaces of which it is not known.
+            between: Friction between objects, where it is not known.
+            table: Friction with what is fixed, likewise.
         """
-        self.world = rebuilt.world()
-        set_friction(self.world, trial.between, trial.table, rebuilt.friction)
+        self.world = World()
+        rebuilt.fill(self.world)
+        set_friction(self.world, between, table, rebuilt.friction)
         before = self.world.poses()
         _come_to_rest(self.world)
         kept = self.world.snapshot()
@@ -152,18 +134,3 @@ def set_friction(
     for name, number in world.ids.items():
         value = known.get(name, table / own if name in world.fixed else own)
         pybullet.changeDynamics(number, -1, lateralFriction=value, physicsClientId=world.client)
-
-
-def label(moves: list[Mapping[str, Move]], name: str) -> int | None:
-    """Did an object have to go first: 1 yes, 0 no, None too close to call.
-
-    Args:
-        moves: What moved, once per friction.
-        name: The object asked about.
-    """
-    own = [each[name] for each in moves]
-    if all(m.beyond(0.01, 10) for m in own) and any(m.beyond(0.015, 15) for m in own):
-        return 1
-    if not any(m.beyond(0.01, 10) for m in own) and sum(m.beyond(0.006, 6) for m in own) <= 1:
-        return 0
-    return None

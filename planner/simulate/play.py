@@ -8,12 +8,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from topple.planner.simulate.lift import Move, move_between
-from topple.planner.simulate.rebuild import FLOOR, ground_of, rebuild, shape_of
+from topple.planner.simulate.rebuild import ground_of, rebuild, shape_of
 from topple.planner.simulate.tolerances import CONVEX, FLOOR_BELOW, PLAYED, STAYS, STAYS_TURNED
 from topple.planner.stability.check import ObjectCheck, StabilityCheck
 from topple.planner.stability.solids import solid_of
 from topple.planner.stability.verdicts import Verdict
-from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.engines import new_world
 from topple.robots.world.bodies import Body
 from topple.robots.world.body_clouds import shell
@@ -80,9 +79,7 @@ def play(scene: AnyScene | Situation, found: StabilityCheck) -> Played:
     situation = Situation.of(scene)
     with new_world() as world:
         if not found.exact and situation.sized.statics.upright.viewpoints is not None:
-            rebuilt = rebuild(situation.sized.statics)
-            world.add_table(FLOOR, height=rebuilt.floor, size=(3.0, 3.0))
-            rebuilt.add_to(world)
+            rebuild(situation.sized.statics).fill(world)
         else:
             _fill(world, situation)
         before = world.poses()
@@ -96,11 +93,7 @@ def play(scene: AnyScene | Situation, found: StabilityCheck) -> Played:
 def _disagree(found: ObjectCheck, move: Move) -> bool:
     if found.verdict is Verdict.PENETRATES:
         return False
-    return (
-        move.beyond(DISTURBED, float(np.degrees(TURNED)))
-        if found.stands
-        else not move.beyond(STAYS, STAYS_TURNED)
-    )
+    return move.share > 1.0 if found.stands else not move.beyond(STAYS, STAYS_TURNED)
 
 
 def _fill(world: PhysicalWorld, situation: Situation) -> None:

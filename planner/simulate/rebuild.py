@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -19,9 +18,6 @@ from topple.topology.bodies.complete import is_hollow
 from topple.topology.bodies.upright import Upright
 from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.rest import Statics
-
-if TYPE_CHECKING:
-    from topple.robots.world.world import World
 
 FLOOR = "the floor"
 """What everything stands on in a rebuilt world."""
@@ -45,21 +41,12 @@ class Rebuilt:
     floor: float
     friction: Mapping[str, float] = field(default_factory=lambda: FrozenDict({}))
 
-    def world(self) -> "World":
-        """All bodies on a floor in a world of their own, which the caller closes."""
-        from topple.robots.world.world import World
-
-        world = World()
-        middle = np.mean([pose[:2, 3] for pose in self.poses.values()], axis=0)
-        world.add_table(
-            FLOOR,
-            height=self.floor,
-            size=(3.0, 3.0),
-            centre=(float(middle[0]), float(middle[1])),
-            friction=self.friction.get(FLOOR, TABLE_FRICTION),
-        )
+    def fill(self, world: PhysicalWorld) -> None:
+        """Put a floor and all bodies into a world whose z axis is up."""
+        x, y = np.mean([pose[:2, 3] for pose in self.poses.values()], axis=0).tolist()
+        rough = self.friction.get(FLOOR, TABLE_FRICTION)
+        world.add_table(FLOOR, height=self.floor, size=(3.0, 3.0), centre=(x, y), friction=rough)
         self.add_to(world)
-        return world
 
     def add_to(self, world: PhysicalWorld) -> None:
         """Put all bodies, but no floor, into a world whose z axis is up."""

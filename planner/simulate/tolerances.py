@@ -33,6 +33,12 @@ SLOW = 48
 """Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
 
 
+# -- sandbox
+
+SECONDS = 1.5
+"""Of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second."""
+
+
 # -- rebuild
 
 SLAB = 0.03

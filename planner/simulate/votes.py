@@ -12,7 +12,7 @@ from topple.planner.budget import check_budget, seconds_left
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.decide.rates import likelihoods, posterior
 from topple.planner.simulate.lift import Move
-from topple.planner.simulate.lifts import Stage, Trial
+from topple.planner.simulate.lifts import Stage
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.tolerances import FRICTIONS, NOISE, TRUSTED
 from topple.topology.base.workers import serve
@@ -69,25 +69,24 @@ def ask(
     """
     names = graph.names
     jitter = NOISE[0 if statics.sight is None else 1]
-    trials = [
-        Trial(between, table, jitter if number else 0.0, seed + number)
-        for number, (between, table) in enumerate(FRICTIONS)
-    ]
+    trials = [(rough, jitter if number else 0.0, seed + number) for number, rough in enumerate(FRICTIONS)]
     workers = max(1, min(workers or len(os.sched_getaffinity(0)), len(names)))
     shares = [[(trial, names[k::workers]) for trial in trials] for k in range(workers)]
     return _count(_in_processes([_worker(statics, share) for share in shares]))
 
 
 _Job = Callable[[Connection], None]
+_Trial = tuple[tuple[float, float], float, int]
+"""Friction between objects and with the table; [m] of jitter of where each body really is, and its seed."""
 
 
-def _worker(statics: Statics, share: Sequence[tuple[Trial, Sequence[str]]]) -> _Job:
+def _worker(statics: Statics, share: Sequence[tuple[_Trial, Sequence[str]]]) -> _Job:
     """A process's part of the lifts, each sent when it is done."""
 
     def work(out: Connection) -> None:
         serve()
-        for trial, names in share:
-            stage = Stage(rebuild(statics, trial.jitter, trial.seed), trial)
+        for (rough, jitter, seed), names in share:
+            stage = Stage(rebuild(statics, jitter, seed), *rough)
             for name in names:
                 out.send(_Lift(name, stage.sagged, stage.without(name)))
             stage.close()
@@ -141,20 +140,15 @@ def _in_processes(jobs: Sequence[_Job]) -> list[_Lift]:
     return [lift for lifts in found.values() for lift in lifts]
 
 
-def _share(move: Move) -> float:
-    """A move as a share of what counts as one: 1 cm or 10 degrees."""
-    return max(move.distance / 0.01, float(np.degrees(move.angle)) / 10.0)
-
-
 def _count(lifts: Sequence[_Lift]) -> Votes:
     """Votes of all lifts."""
     moved: dict[tuple[str, str], list[bool]] = {}
     sagged: dict[str, float] = {}
     for lift in lifts:
         for name, move in lift.sagged.items():
-            sagged[name] = max(sagged.get(name, 0.0), _share(move))
+            sagged[name] = max(sagged.get(name, 0.0), move.share)
         for first, move in lift.moves.items():
-            moved.setdefault((first, lift.then), []).append(_share(move) > 1.0)
+            moved.setdefault((first, lift.then), []).append(move.share > 1.0)
     return Votes({pair: tuple(each) for pair, each in moved.items()}, sagged, len(lifts))
 
 

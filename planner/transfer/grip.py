@@ -1,7 +1,6 @@
 """What a second hand does: it closes on an object where that is, keeps it there, and lets go of it there."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,29 +11,13 @@ from topple.planner.grasp.shape import shapes_of
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.handling import Handling, Reached
-from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
+from topple.planner.transfer.limits import TRANSFER_LIMITS
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.gripper import ToolState
 from topple.topology.base.arrays import FloatArray
 
 STAYS = Placement(np.eye(4), 1.0, "where it is")
-
-
-@dataclass(frozen=True, eq=False)
-class Grip:
-    """A way to hold an object where it is.
-
-    Attributes:
-        transfer: What the arm does until its hand is closed.
-        state: The grasp, with the joint values at which the arm then stands.
-        hand: How the hand stands then.
-    """
-
-    transfer: Transfer
-    state: Reached
-    hand: ToolState
 
 
 class Grips:
@@ -45,7 +28,6 @@ class Grips:
         q_start: (n,) joint values now [rad].
         log: Takes down what is left out and why.
         avoid: Grasps that failed: none near them is among these.
-        limits: How hard to look and how fast to move.
 
     Attributes:
         states: In which the open hand is free, best grasps first. Each grasp is there with the hand turned
@@ -53,15 +35,9 @@ class Grips:
     """
 
     def __init__(
-        self,
-        handling: Handling,
-        q_start: FloatArray,
-        log: FailureLog,
-        *,
-        avoid: Sequence[Grasp] = (),
-        limits: TransferLimits = TRANSFER_LIMITS,
+        self, handling: Handling, q_start: FloatArray, log: FailureLog, avoid: Sequence[Grasp]
     ) -> None:
-        self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
+        self._handling, self._q_start, self._log = handling, q_start, log
         name, situation, dropped = handling.name, handling.situation, Dropped(log.reasons, log.barring)
         tools = sorted(shapes_of(handling.arm).values(), key=lambda one: not one.tool.gripper.limits.opening)
         grasps = [
@@ -70,42 +46,38 @@ class Grips:
             for grasp in grasp_candidates(name, situation, tools=[tool], wide=True, dropped=dropped)
             if not any(map(grasp.near, avoid))
         ]
-        hands = handling.hands(grasps[: limits.grasps], q_start, log)
+        hands = handling.hands(grasps[: TRANSFER_LIMITS.grasps], q_start, log)
         self.states = list(handling.reached(hands, False, log))
 
-    def proven(self, state: Reached) -> Grip | None:
-        """The grip that ends in one of the states, with proven motions; None, noted, where there are none."""
-        grasp, handling, limits = state.grasp, self._handling, self._limits
+    def proven(self, state: Reached) -> Transfer | None:
+        """What the arm does until its hand is closed in one of the states; None, noted, without a proof."""
+        grasp, handling, limits = state.grasp, self._handling, TRANSFER_LIMITS
         approach = handling.approach(state, limits.approach, self._log)
         if approach.path is None or not approach.prove():
             return None
         move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), self._log)
         if move.search(self._q_start, approach.way[:1], handling.seed, limits.rounds) is None:
             return None
-        ways = segments_of((move, approach), handling, grasp, STAYS, limits.speed, limits.straight_speed)
+        ways = segments_of((move, approach), handling, grasp, STAYS, limits)
         hand = handling.hand(grasp).closed(grasp)
         close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, handling.name, ways[-1].may_touch)
-        reasons = dict(self._log.reasons)
-        return Grip(Transfer(handling.name, grasp, STAYS, (*ways, close), state.q, reasons), state, hand)
+        return Transfer(handling.name, grasp, STAYS, (*ways, close), state.q, dict(self._log.reasons))
 
 
-def letting_go(
-    grip: Grip, handling: Handling, limits: TransferLimits = TRANSFER_LIMITS
-) -> Transfer | TransferFailure:
+def letting_go(state: Reached, handling: Handling) -> Transfer | TransferFailure:
     """Open the hand and draw it back, the object being where it was.
 
     Args:
-        grip: How it is held.
+        state: How it is held.
         handling: What is asked about the object, everything being where it is by then.
-        limits: How fast to move.
     """
-    name, grasp = grip.transfer.object, grip.state.grasp
+    name, grasp, limits = handling.name, state.grasp, TRANSFER_LIMITS
     log = FailureLog(frozenset(handling.bodies) - {name})
-    back = handling.approach(grip.state, limits.retreat, log)
+    back = handling.approach(state, limits.retreat, log)
     if back.path is None:
         return log.failure(name)
     retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, STAYS), log)
-    if not retreat.straight(back.way[::-1], grip.state.q) or not retreat.prove():
+    if not retreat.straight(back.way[::-1], state.q) or not retreat.prove():
         return log.failure(name)
-    ways = segments_of((retreat,), handling, grasp, STAYS, limits.speed, limits.straight_speed)
+    ways = segments_of((retreat,), handling, grasp, STAYS, limits)
     return Transfer(name, grasp, STAYS, ways, retreat.way[-1], dict(log.reasons))

@@ -254,36 +254,25 @@ class Handling(Checks):
         Yields:
             Ends, best placements first, each placement once.
         """
+        grasp, held = state.grasp, places[0].how in IN_HAND
+        checker = self.carrying(grasp, MARGIN if held else 0.0, places[0].into)
         for first in range(0, len(places), AT_ONCE):
-            yield from self._ends(state, places[first : first + AT_ONCE], near, (drop, retreat), log)
-
-    def _ends(
-        self,
-        state: Reached,
-        places: Sequence[Placement],
-        near: FloatArray,
-        ways: tuple[float, float],
-        log: FailureLog,
-    ) -> Iterator[End]:
-        """Ways of ending a transfer at some places at once, as `ends` has them."""
-        grasp = state.grasp
-        checker = self.carrying(grasp, MARGIN if places[0].how in IN_HAND else 0.0, places[0].into)
-        targets = [place.pose_before_to_after @ self.tool_pose(grasp) for place in places]
-        tried: list[tuple[Placement, FloatArray, FloatArray]] = []
-        for place, target, states in zip(
-            places, targets, self._inverse([grasp] * len(places), targets, near), strict=True
-        ):
-            if len(states) == 0:
-                log.note(SegmentKind.PLACE, Check.REACH, "place out of reach")
-                continue
-            free = checker.free(states)
-            if not free.any():
-                Stage(SegmentKind.PLACE, checker, log).blame(states[0])
-            tried += [(place, target, q) for q in states[free][:2]]
-        if places[0].how in IN_HAND:
-            yield from (End(place, q[None], q[None]) for place, _, q in tried)
-        elif tried:
-            yield from self._free_ends(grasp, tried, ways, checker, log)
+            some = places[first : first + AT_ONCE]
+            targets = [place.pose_before_to_after @ self.tool_pose(grasp) for place in some]
+            solved = self._inverse([grasp] * len(some), targets, near)
+            tried: list[tuple[Placement, FloatArray, FloatArray]] = []
+            for place, target, states in zip(some, targets, solved, strict=True):
+                if len(states) == 0:
+                    log.note(SegmentKind.PLACE, Check.REACH, "place out of reach")
+                    continue
+                free = checker.free(states)
+                if not free.any():
+                    Stage(SegmentKind.PLACE, checker, log).blame(states[0])
+                tried += [(place, target, q) for q in states[free][:2]]
+            if held:
+                yield from (End(place, q[None], q[None]) for place, _, q in tried)
+            elif tried:
+                yield from self._free_ends(grasp, tried, (drop, retreat), checker, log)
 
     def _free_ends(
         self,

@@ -12,23 +12,15 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.shortcut import densely
 from topple.planner.motion.trajectory import retime
-from topple.planner.motion.upright import plan_upright
+from topple.planner.motion.upright import Upright, plan_upright
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
+from topple.planner.transfer.limits import TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_than
 from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
 from topple.topology.base.arrays import FloatArray
 
 STRAIGHT = (SegmentKind.APPROACH, SegmentKind.LIFT, SegmentKind.PLACE, SegmentKind.RETREAT)
-
-
-@dataclass(frozen=True)
-class Upright:
-    """How a tool is kept as it stands: its name, (3,) up in the base's frame, and the largest tilt [rad]."""
-
-    tool: str
-    up: FloatArray
-    tilt: float
 
 
 @dataclass(eq=False)
@@ -104,9 +96,7 @@ class Stage:
         if upright is None:
             found = plan_motion(self.checker, start, goals, seed=seed, rounds=rounds)
         else:
-            found = plan_upright(
-                self.checker, start, goals, upright.tool, upright.up, upright.tilt, seed=seed, rounds=rounds
-            )
+            found = plan_upright(self.checker, start, goals, upright, seed=seed, rounds=rounds)
         if isinstance(found, MotionFailure):
             check = Check.COLLISION if found.stage in ("start", "goals") else Check.SEARCH
             self.log.note(self.kind, check, f"{self.kind}: {found.reason}", start, found.witness)
@@ -131,8 +121,7 @@ def segments_of(
     checks: Checks,
     grasp: Grasp,
     place: Placement,
-    speed: float,
-    straight_speed: float,
+    limits: TransferLimits,
 ) -> tuple[Segment, ...]:
     """Time the stages, and put grasp and release between them.
 
@@ -141,8 +130,7 @@ def segments_of(
         checks: Of the object.
         grasp: How it is held.
         place: Where it goes.
-        speed: Share of the joints' velocity limits.
-        straight_speed: Of the tool on straight ways [m/s].
+        limits: How fast to move.
 
     Returns:
         The segments in the order they are driven.
@@ -162,11 +150,11 @@ def segments_of(
             segments.append(Segment(SegmentKind.GRASP, grasp.tool, closed, None, checks.name, pairs))
         if stage.kind is SegmentKind.RETREAT:
             segments.append(Segment(SegmentKind.RELEASE, grasp.tool, released, None, None, pairs))
-        trajectory = retime(arm, stage.way, speed)
+        trajectory = retime(arm, stage.way, limits.speed)
         if stage.kind in STRAIGHT:
             places = arm.tool_pose(stage.way, grasp.tool)[:, :3, 3]
             way = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
-            trajectory = no_faster_than(trajectory, way, straight_speed)
+            trajectory = no_faster_than(trajectory, way, limits.straight_speed)
         hand, holding = (hands[stage.kind], None) if stage.kind in hands else (closed, checks.name)
         segments.append(Segment(stage.kind, grasp.tool, hand, trajectory, holding, pairs, stage.certificate))
     return tuple(segments)

@@ -15,12 +15,13 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.load import beyond_arm
 from topple.planner.grasp.shape import shapes_of
 from topple.planner.grasp.surroundings import Dropped
+from topple.planner.motion.upright import Upright
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind
-from topple.planner.transfer.stages import Stage, Upright, segments_of
+from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.home import scale_of, workplace_of
@@ -141,11 +142,9 @@ def plan_transfer(
     if not grasps:
         return no_grasp(name, dropped, scene)
     if not places:
-        return TransferFailure(
-            name, {NO_PLACE: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, NO_PLACE)
-        )
+        return TransferFailure.no_place(name, NO_PLACE)
     limits = limits.of(arm)
-    search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds, held)
+    search = _Search(handling, tuple(places), np.asarray(q_start), level, limits, holds, held)
     spared = searched and bool(spare) and not any(grasp.tool in spare for grasp in grasps)
 
     def other() -> list[Grasp]:
@@ -199,13 +198,12 @@ class _Search:
         places: tuple[Placement, ...],
         q_start: FloatArray,
         level: bool,
-        seed: int,
         limits: TransferLimits,
         holds: Callable[[Placement], bool] | None = None,
         held: Reached | None = None,
     ) -> None:
         self.handling, self.places, self.q_start = handling, places, q_start
-        self.level, self.seed, self.limits, self._holds, self._held = level, seed, limits, holds, held
+        self.level, self.limits, self._holds, self._held = level, limits, holds, held
         self.log = FailureLog(frozenset(handling.bodies) - {handling.name})
         self._ahead: dict[Reached, tuple[Stage, Stage]] = {}
         self._roomy: dict[tuple[Grasp, tuple[Placement, ...]], list[Placement]] = {}
@@ -287,7 +285,7 @@ class _Search:
                 if not ends:
                     return None
             goals = np.array([end.lower[0] for end in ends])
-            goal = carry.search(top, goals, self.seed, limits.rounds, upright)
+            goal = carry.search(top, goals, handling.seed, limits.rounds, upright)
             if goal is None:
                 self._barred += [(state, way)] if way.margin > 0.0 else []
                 return None
@@ -301,10 +299,10 @@ class _Search:
         stages = (lift, carry) if held else (lift, carry, lower, retreat)
         if state is not self._held:
             move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
-            if move.search(self.q_start, approach.way[:1], self.seed, limits.rounds) is None:
+            if move.search(self.q_start, approach.way[:1], handling.seed, limits.rounds) is None:
                 return None
             stages = (move, approach, *stages)
-        segments = segments_of(stages, handling, grasp, end.placement, limits.speed, limits.straight_speed)
+        segments = segments_of(stages, handling, grasp, end.placement, limits)
         if state is self._held:
             segments = segments[1:]  # the hand is closed
         return Transfer(

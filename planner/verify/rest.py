@@ -9,10 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from topple.planner.decide.goal import PlaceRelation
-from topple.planner.placement.away import BODIES, Away
-from topple.planner.placement.drops import Drops
-from topple.planner.placement.proof import Settled, settled
+from topple.planner.placement.proof import Settled, container_of, settled
+from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.clouds import beyond_all
 from topple.planner.verify.replay import Finding, Piece, Replay
@@ -22,22 +20,22 @@ from topple.topology.geometry.sides import joggled_sides
 
 def let_go(replay: Replay) -> tuple[tuple[Piece, Settled], ...]:
     """Let go what every step puts down; what is in the hand still is left out, which is told elsewhere."""
-    found: list[tuple[Piece, Settled]] = []
+    found, sandbox, up = list[tuple[Piece, Settled]](), Sandbox(), replay.up
     for piece in replay.of_kind(SegmentKind.RELEASE):
         place, name = piece.step.placement, piece.step.object
         if name not in piece.poses or (place.into is not None and place.into not in piece.poses):
             continue
-        containers = {PlaceRelation.WITHIN: place.into, Away.BIN: BODIES[Away.BIN]}
-        inside = next((of for how, of in containers.items() if how == place.how), None)
-        riding = {held.object for held in piece.step.attachments} - {name}
+        inside, riding = (
+            container_of(place.how, place.into),
+            {held.object for held in piece.step.attachments} - {name},
+        )
         bodies = {other: replay.body(piece, other) for other in piece.poses if other not in riding}
         if place.into is None and inside is None:
             bodies[name] = moved(replay.wholes[name], piece.poses[name])
         release = np.eye(4)
-        release[:3, 3] += place.drop * replay.up
-        container = None if inside is None else np.vstack(bodies[inside])
-        with Drops(name, bodies, replay.up) as drops:
-            found.append((piece, settled(drops, release, np.eye(4), container, replay.up)))
+        release[:3, 3] += place.drop * up
+        around, sandbox = None if inside is None else bodies[inside], sandbox.fill(name, bodies, up)
+        found.append((piece, settled(sandbox, release, np.eye(4), around, up)))
     return tuple(found)
 
 

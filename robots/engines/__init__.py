@@ -133,14 +133,6 @@ def fixture_in(world: "PhysicalWorld", names: "Collection[str]") -> "Fixture | N
         world: A world of `new_world`.
         names: Names of bodies.
     """
-    if not names:
-        return None
-    if world.engine == MUJOCO:
-        from topple.robots.mujoco.clamps import MujocoClamps
-        from topple.robots.mujoco.world import MujocoWorld
+    from topple.robots.world.clamps import Clamps
 
-        if isinstance(world, MujocoWorld):
-            return MujocoClamps(world, names)
-    from topple.robots.world.bullet_clamps import BulletClamps
-
-    return BulletClamps(world, names)
+    return Clamps(world, names) if names else None

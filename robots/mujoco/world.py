@@ -1,6 +1,7 @@
 """A world on MuJoCo: the bodies of a PyBullet world, with another engine's contacts."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -108,6 +109,12 @@ class MujocoWorld(PhysicalWorld):
         at, speed = self._address(name)
         self._compiled[1].qpos[at : at + 7] = [*position, w, x, y, z]
         self._compiled[1].qvel[speed : speed + 6] = [0.0, 0.0, rising, 0.0, 0.0, 0.0]
+
+    def clamp(self, name: str) -> Callable[[], None]:
+        """Keep a body where it is, whatever pulls; see `PhysicalWorld.clamp`."""
+        middle = self.pose(name) @ np.append(self.body(name).centre_of_mass, 1.0)
+        self.weld(name, None, middle[:3])
+        return partial(self.unweld, name, None)
 
     def step(self, count: int = 1) -> None:
         """Advance the simulation by `count` time steps."""

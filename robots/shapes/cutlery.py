@@ -62,37 +62,15 @@ def fork(name: str = "fork", *, length: float = 0.195) -> Body:
     return _steel(name, top, thickness, cells, (2, 3, 4, 5, 6), "fork")
 
 
-def knife(name: str = "knife", *, length: float = 0.215) -> Body:
-    """A table knife, lying flat: a blade 2 mm and a handle 7 mm thick.
-
-    Args:
-        name: Name in the scene.
-        length: In [m].
-
-    Returns:
-        The knife: four parts.
-    """
-    x = np.array([0.0, 0.10, 0.52, 0.58, 1.0]) * length
-    half = np.array([0.003, 0.009, 0.010, 0.006, 0.009])
-    thickness = np.array([0.0010, 0.0018, 0.0022, 0.0060, 0.0070])
-    top = np.empty((len(x), 2, 3))
-    top[..., 0] = x[:, None]
-    top[..., 1] = half[:, None] * np.array([-1.0, 1.0])
-    top[..., 2] = 0.0035 + thickness[:, None] / 2
-    cells = np.ones((len(x) - 1, 1), dtype=bool)
-    return _steel(name, top, thickness, cells, (), "knife", mass=0.08)
-
-
 def _steel(
-    name: str, top: FloatArray, thickness: FloatArray, cells: BoolArray, joined: tuple[int, ...], kind: str,
-    mass: float | None = None,
-) -> Body:  # fmt: skip
+    name: str, top: FloatArray, thickness: FloatArray, cells: BoolArray, joined: tuple[int, ...], kind: str
+) -> Body:
     """Centre a sheet over its box, set it on z = 0 and make it a body."""
     top = top.copy()
     top[..., 0] -= top[..., 0].max() / 2
     top[..., 2] -= (top[..., 2] - thickness[:, None]).min()
     surface, parts = _sheet(top, thickness, cells, joined)
-    return STEEL.body(name, parts, surface, kind=kind, color=PAINTS["silver"], mass=mass)
+    return STEEL.body(name, parts, surface, kind=kind, color=PAINTS["silver"])
 
 
 def _sheet(

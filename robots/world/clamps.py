@@ -1,17 +1,12 @@
 """A fixture: what keeps bodies of a world where they are, as a vice does, until it lets go of them."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Collection
-from typing import Generic, TypeVar
 
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.errors import UnknownObject
 
-Grip = TypeVar("Grip")
-"""What an engine needs to let go of a body again."""
 
-
-class Clamps(ABC, Generic[Grip]):
+class Clamps:
     """Clamps on some bodies of a world; a `topple.robots.driver.Fixture`.
 
     Args:
@@ -26,22 +21,14 @@ class Clamps(ABC, Generic[Grip]):
         for name in sorted(names):
             if name not in world.movable:
                 raise UnknownObject(name, world.movable)
-        self._grips = {name: self._clamp(name) for name in sorted(names)}
+        self._let_go = {name: world.clamp(name) for name in sorted(names)}
 
     @property
     def clamped(self) -> frozenset[str]:
         """What they keep."""
-        return frozenset(self._grips)
+        return frozenset(self._let_go)
 
     def release(self, name: str) -> None:
         """Let go of a body; of one that they do not keep, nothing happens."""
-        if name in self._grips:
-            self._let_go(name, self._grips.pop(name))
-
-    @abstractmethod
-    def _clamp(self, name: str) -> Grip:
-        """Keep a body where it is."""
-
-    @abstractmethod
-    def _let_go(self, name: str, grip: Grip) -> None:
-        """Keep it no longer."""
+        if name in self._let_go:
+            self._let_go.pop(name)()

@@ -1,7 +1,7 @@
 """A world that is played: what every engine offers of it, and what is the same in all of them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 from weakref import WeakKeyDictionary
@@ -212,6 +212,10 @@ class PhysicalWorld(ABC):
     @abstractmethod
     def place(self, name: str, pose_body_to_world: FloatArray, rising: float = 0.0) -> None:
         """Set a body somewhere, at rest or rising at a speed [m/s]: for building scenes, not for acting."""
+
+    @abstractmethod
+    def clamp(self, name: str) -> Callable[[], None]:
+        """Keep a body where it is until what this returns is called, which lets go of it."""
 
     @abstractmethod
     def step(self, count: int = 1) -> None:

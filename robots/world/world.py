@@ -1,7 +1,7 @@
 """The PyBullet world: a table, bodies made of convex parts, and what touches what."""
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ from topple.robots.world.physical_world import (
     principal_axes,
 )
 from topple.robots.world.rendering import Shown
+from topple.robots.world.tolerances import CLAMPING, CONSTRAINT_ERP
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
@@ -159,6 +160,31 @@ class World(PhysicalWorld):
             number, *position_and_quaternion(pose), physicsClientId=self.client
         )
         pybullet.resetBaseVelocity(number, [0, 0, rising], [0, 0, 0], physicsClientId=self.client)
+
+    def clamp(self, name: str) -> Callable[[], None]:
+        """Keep a body where it is, by a constraint that holds up to `CLAMPING`; see `PhysicalWorld.clamp`.
+
+        The constraint yields to a weight until what it makes up for in a step is what that adds: it is as
+        much too high before.
+        """
+        number, client = self._number(name), self.client
+        (x, y, z), turned = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
+        sag = self.physics.gravity * self.time_step**2 / CONSTRAINT_ERP
+        clamp: int = pybullet.createMultiBody(  # without a shape: nothing meets it
+            0.0, basePosition=[x, y, z + sag], baseOrientation=turned, physicsClientId=client
+        )
+        grip: int = pybullet.createConstraint(
+            clamp, -1, number, -1, pybullet.JOINT_FIXED, [0, 0, 0], [0, 0, 0], [0, 0, 0],
+            physicsClientId=client,
+        )  # fmt: skip
+        pybullet.changeConstraint(grip, maxForce=CLAMPING, physicsClientId=client)
+
+        def let_go() -> None:
+            self.sleep.wake()
+            pybullet.removeConstraint(grip, physicsClientId=client)
+            pybullet.removeBody(clamp, physicsClientId=client)
+
+        return let_go
 
     def step(self, count: int = 1) -> None:
         """Advance the simulation by `count` time steps."""

@@ -5,10 +5,12 @@ import shutil
 import tarfile
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
 import yaml
 
-from topple.benchmarks.mbm import rows
+from topple.benchmarks.mbm import polyhedron, rows
 from topple.robots import robot
 from topple.topology.base.errors import InvalidInput
 
@@ -49,3 +51,20 @@ def test_what_has_a_free_goal_is_solved_and_what_touches_is_left_out(tmp_path: P
 def test_without_an_archive_it_says_what_it_needs(tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match="mbm needs --data DIR"):
         rows(False, 0, lambda text: None, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes", "shape"),
+    [
+        ("box", [0.3, 0.2, 0.4], trimesh.creation.box([0.3, 0.2, 0.4])),
+        ("sphere", [0.1], trimesh.creation.icosphere(subdivisions=4, radius=0.1)),
+        ("cylinder", [0.4, 0.08], trimesh.creation.cylinder(radius=0.08, height=0.4, sections=96)),
+    ],
+)
+def test_a_primitive_lies_within_its_polyhedron_which_is_little_wider(
+    kind: str, sizes: list[float], shape: trimesh.Trimesh
+) -> None:
+    part = polyhedron(kind, sizes, np.eye(4))
+    for direction in np.random.default_rng(0).normal(size=(200, 3)):
+        direction /= np.linalg.norm(direction)
+        assert -1e-6 < (part @ direction).max() - (np.asarray(shape.vertices) @ direction).max() < 0.004

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from topple.benchmarks.piles import Pile, make_pile, observe, truth
+from topple.benchmarks.piles import Pile, label, make_pile, observe, truth
+from topple.planner.simulate.lift import Move
 from topple.robots import shapes
 
 
@@ -54,3 +55,11 @@ def test_whole_surfaces_show_undersides_and_cameras_do_not(stack: Pile) -> None:
     # 1 mm of noise along the line of sight: the seen top is thicker than the true one, and not by much.
     tops = seen.clouds["aside"][seen.clouds["aside"][:, 2] > 0.045]
     assert 0.0003 < tops[:, 2].std() < 0.003
+
+
+def test_a_label_needs_agreement_at_every_friction() -> None:
+    far, near, still = Move(0.05, 0.0), Move(0.008, 0.0), Move(0.0, 0.0)
+    assert label([{"a": far}] * 3, "a") == 1
+    assert label([{"a": still}, {"a": near}, {"a": still}], "a") == 0
+    assert label([{"a": far}, {"a": still}, {"a": still}], "a") is None
+    assert label([{"a": near}, {"a": near}, {"a": still}], "a") is None

@@ -9,10 +9,10 @@ import pytest
 from topple.planner.building.standing import falling_in
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.suction import cup_shape
-from topple.planner.placement.drops import Drops
 from topple.planner.placement.resting import resting_poses
-from topple.planner.simulate.lifts import Stage, Trial
+from topple.planner.simulate.lifts import Stage
 from topple.planner.simulate.rebuild import rebuild
+from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.checks import Checks
 from topple.robots import scene_from_world, shapes
 from topple.robots.catalog import robot
@@ -55,7 +55,7 @@ def test_a_rebuilt_world_has_the_weight_where_it_is(world: World) -> None:
         pose = rebuilt.poses["plank"]
         there = pose[:3, :3] @ rebuilt.bodies["plank"].centre_of_mass + pose[:3, 3]
         assert np.allclose(there @ turn, centre, atol=1e-4)
-        stage = Stage(rebuilt, Trial(0.5, 0.5, 0.0, 0))
+        stage = Stage(rebuilt, 0.5, 0.5)
         assert (stage.sagged["plank"].distance < 0.01) == stays, "as PyBullet has it"
         stage.close()
 
@@ -84,8 +84,8 @@ def test_a_box_with_a_heavy_side_falls_over_when_it_is_put_down() -> None:
     release = np.eye(4)
     for centres, stays in (({}, True), (aside, False)):
         scene = Scene({"tall": cloud, "table": table}, ["table"], UP, centres=centres)
-        with Drops("tall", {"tall": parts, "table": [table]}, UP, scene=scene) as drops:
-            assert (drops.rest(release)[2, 2] > 0.9) == stays
+        drops = Sandbox().fill("tall", {"tall": parts, "table": [table]}, UP, scene=scene)
+        assert (drops.release(release)[2, 2] > 0.9) == stays
         steady = resting_poses(cloud, parts, UP, centre=scene.centres.get("tall"))
         assert any(rest.turn < 0.1 and not rest.rolls for rest in steady) == stays
 

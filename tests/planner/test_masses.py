@@ -7,7 +7,7 @@ import pybullet
 import pytest
 
 from topple.planner import order
-from topple.planner.simulate.lifts import Stage, Trial
+from topple.planner.simulate.lifts import Stage
 from topple.planner.simulate.rebuild import rebuild
 from topple.robots import scene_from_world
 from topple.topology.scene.scene import Scene
@@ -147,7 +147,7 @@ def test_a_leaning_plank_needs_its_stopper_where_it_is_slippery(
 
 def test_a_rebuilt_world_has_the_masses_and_the_friction_that_were_given(pile: Pile) -> None:
     scene = overhanging(pile).weighed(friction={"table": 0.9, "cube": 0.33})
-    stage = Stage(rebuild(Statics.of(scene)), Trial(0.4, 0.4, 0.0, 0))
+    stage = Stage(rebuild(Statics.of(scene)), 0.4, 0.4)
     world = stage.world
     told = {
         name: pybullet.getDynamicsInfo(number, -1, physicsClientId=world.client)[:2]

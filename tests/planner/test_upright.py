@@ -4,7 +4,7 @@ import pytest
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion
 from topple.planner.motion.shortcut import densely
-from topple.planner.motion.upright import plan_upright
+from topple.planner.motion.upright import Upright, plan_upright
 from topple.planner.planning.plan import plan
 from topple.planner.transfer.limits import TRANSFER_LIMITS
 from topple.planner.transfer.transfer import Transfer, plan_transfer
@@ -58,7 +58,7 @@ def test_around_a_wall_the_tilt_holds_and_nothing_touches() -> None:
     start = ARM.inverse(down)[0][0]
     down[1, 3] = 0.25
     goals = ARM.inverse(down)[0][:8]
-    found = plan_upright(checker, start, goals, "fingers", UP, 0.15, seed=0)
+    found = plan_upright(checker, start, goals, Upright("fingers", UP, 0.15), seed=0)
     assert isinstance(found, Motion), found.reason
     assert found.certificate is not None
     assert found.certificate.proven

@@ -28,7 +28,7 @@ def step(action: Action, name: str = "mug", along: float = 0.1) -> NextStep:
 
 
 def context(memory: Memory, most: int = 3) -> Context:
-    return memory.context(STATION, cautious, {}, 0, most)
+    return memory.context(Context(STATION, orderer=cautious), most)
 
 
 def test_the_grasp_by_which_a_thing_was_put_down_goes_with_it() -> None:

@@ -128,3 +128,17 @@ def test_kernels_and_twins_bound_the_same(monkeypatch: pytest.MonkeyPatch) -> No
 def seen_from(frames: np.ndarray, base: int, frame: int, vertices: np.ndarray) -> np.ndarray:
     pose = np.linalg.inv(frames[:, base]) @ frames[:, frame]
     return np.einsum("mij,vj->mvi", pose[:, :3, :3], vertices) + pose[:, None, :3, 3]
+
+
+def test_an_edge_is_certified_or_its_witness_named() -> None:
+    arm = robot("panda")
+    a, b = arm.home.copy(), arm.home.copy()
+    a[0], b[0] = -0.6, 0.6
+    free = Certifier(Checker(arm, np.eye(4), {})).certify(a[None], b[None])[0]
+    assert free.proven
+    assert free.clearance > 0
+    post = box((0.3, 0.0, 0.5), (0.02, 0.02, 1.0))
+    barred = Certifier(Checker(arm, np.eye(4), {"post": [post]})).certify(a[None], b[None])[0]
+    assert not barred.proven
+    assert barred.contact is not None
+    assert barred.contact.b == "post"

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from topple.planner.placement import rehearsal
-from topple.planner.placement.drops import Drops, standing, staying
+from topple.planner.placement.drops import standing, staying
 from topple.planner.placement.placement import Placement
+from topple.planner.simulate import sandbox
+from topple.planner.simulate.sandbox import Sandbox
 from topple.robots import engines
 from topple.robots.engines import INSTALLED, rehearsal_world
 from topple.robots.shapes.boxes import box
@@ -40,9 +41,9 @@ def shifted(x: float, z: float) -> np.ndarray:
 def test_a_dropped_box_stands_on_what_is_below_and_the_fall_can_be_repeated() -> None:
     cube = box("cube", (0.05, 0.05, 0.05))
     bodies = {"cube": standing_parts(cube), "base": standing_parts(box("base", (0.1, 0.1, 0.04)), 0.3)}
-    with Drops("cube", bodies, UP) as drops:
-        first = drops.rest(shifted(0.3, 0.05))
-        second = drops.rest(shifted(0.3, 0.05))
+    drops = Sandbox().fill("cube", bodies, UP)
+    first = drops.release(shifted(0.3, 0.05))
+    second = drops.release(shifted(0.3, 0.05))
     assert np.allclose(first[:3, 3], [0.3, 0.0, 0.04], atol=0.003)
     assert np.allclose(first, second, atol=1e-4)
 
@@ -105,22 +106,22 @@ def test_drops_are_rehearsed_on_whatever_engine_is_installed(
         return worlds[-1]
 
     monkeypatch.setattr(engines, "DEFAULT_ENGINE", engine)
-    monkeypatch.setattr(rehearsal, "rehearsal_world", watched)
+    monkeypatch.setattr(sandbox, "rehearsal_world", watched)
     cube, ball = box("cube", (0.05, 0.05, 0.05)), lemon()
     slab = {"table": [SLAB]}
-    with Drops("cube", {**slab, "cube": standing_parts(cube)}, UP) as drops:
-        flat, tilted = drops.rest(shifted(0.0, 0.01)), shifted(0.0, 0.03)
-        tilted[:3, :3] = Rotation.from_euler("y", 20.0, degrees=True).as_matrix()
-        tipped = drops.rest(tilted)
+    drops = Sandbox().fill("cube", {**slab, "cube": standing_parts(cube)}, UP)
+    flat, tilted = drops.release(shifted(0.0, 0.01)), shifted(0.0, 0.03)
+    tilted[:3, :3] = Rotation.from_euler("y", 20.0, degrees=True).as_matrix()
+    tipped = drops.release(tilted)
     assert np.allclose(flat, np.eye(4), atol=2e-3)
     assert abs(tipped[2, 2]) > 0.999
 
-    with Drops(
-        "lemon", {**slab, "lemon": standing_parts(ball), "cube": standing_parts(cube, 0.1)}, UP, ["cube"]
-    ) as drops:
-        drops.rest(shifted(-0.2, 0.003))
-        beside = drops.push()
-        drops.rest(shifted(0.065, 0.0))
-        into = drops.push()
+    bodies = {**slab, "lemon": standing_parts(ball), "cube": standing_parts(cube, 0.1)}
+    drops.fill("lemon", bodies, UP, ["cube"])
+    drops.release(shifted(-0.2, 0.003))
+    beside = drops.push()
+    drops.release(shifted(0.065, 0.0))
+    into = drops.push()
     assert beside < 0.2 < 0.5 < into
-    assert [world.engine for world in worlds] == [engine, engine]
+    assert [world.engine for world in worlds] == [engine]  # kept from one question to the next
+    assert set(worlds[0].names) == {"table", "cube", "lemon"} and worlds[0].fixed == {"table"}

@@ -75,19 +75,19 @@ def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not() -> None:
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
     for body, stays in ((cube, True), (pole, False)):
         bodies = {body.name: on_table(body), "table": [SLAB]}
-        with Proof(body.name, known(bodies)) as proof:
-            assert proof.holds(place) is stays
-            assert not proof.holds(replace(place, falls=True))
-            assert (proof.settled(place).turn > 1.0) is not stays
+        proof = Proof(body.name, known(bodies))
+        assert proof.holds(place) is stays
+        assert not proof.holds(replace(place, falls=True))
+        assert (proof.settled(place).turn > 1.0) is not stays
 
 
 def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it() -> None:
     seen, whole = on_table(peg()), on_table(box("box", (0.04, 0.04, 0.16)))
     bodies = {"thing": seen, "table": [SLAB]}
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
-    with Proof("thing", known(bodies, {**bodies, "thing": whole})) as proof:
-        assert proof.holds(place)
-        assert not proof.holds(replace(place, into="table", rest="on table"))
+    proof = Proof("thing", known(bodies, {**bodies, "thing": whole}))
+    assert proof.holds(place)
+    assert not proof.holds(replace(place, into="table", rest="on table"))
 
 
 def test_what_stays_nowhere_is_no_plan_and_the_reason_says_so() -> None:
@@ -129,8 +129,8 @@ def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands() -> None:
         (with_level_undersides({"carton": [rocker]}, ["carton"], UP)["carton"], True),
     ):
         bodies = {"carton": list(parts), "table": [SLAB]}
-        with Proof("carton", known(bodies)) as proof:
-            assert proof.holds(place) is stays
+        proof = Proof("carton", known(bodies))
+        assert proof.holds(place) is stays
 
 
 def test_round_and_leaning_bodies_and_what_never_moves_get_no_foot() -> None:

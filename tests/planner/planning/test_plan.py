@@ -16,9 +16,9 @@ from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.order import check_known
 from topple.planner.planning.plan import plan, plan_all
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
-from topple.planner.planning.start import check_upright
 from topple.planner.planning.step import Chooser, Context, NextStep
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
@@ -317,9 +317,9 @@ def test_a_base_that_is_no_pose_is_refused(base: object) -> None:
 
 
 def test_a_single_name_may_be_kept_upright() -> None:
-    assert check_upright(stacked(), "upper") == {"upper"}
+    assert check_known("upper", stacked(), ("upper",)) == {"upper"}
     with pytest.raises(UnknownObject, match="'glass'"):
-        check_upright(stacked(), "glass")
+        check_known("glass", stacked(), ("upper",))
 
 
 def test_beside_what_is_no_more_than_a_line_a_plan_is_checked_and_handed_on() -> None:

@@ -1,7 +1,6 @@
 import numpy as np
 
-from topple.planner.simulate.lift import Move
-from topple.planner.simulate.lifts import label, take_away
+from topple.planner.simulate.lifts import take_away
 from topple.robots import shapes
 from topple.robots.world.world import World
 
@@ -25,11 +24,3 @@ def test_taking_the_lower_box_moves_the_upper_one_and_nobody_else() -> None:
         assert not without_low["aside"].beyond(0.001, 1)
         assert not any(move.beyond(0.002, 2) for move in without_top.values())
         assert all(np.allclose(world.pose(name), pose) for name, pose in before.items())
-
-
-def test_a_label_needs_agreement_at_every_friction() -> None:
-    far, near, still = Move(0.05, 0.0), Move(0.008, 0.0), Move(0.0, 0.0)
-    assert label([{"a": far}] * 3, "a") == 1
-    assert label([{"a": still}, {"a": near}, {"a": still}], "a") == 0
-    assert label([{"a": far}, {"a": still}, {"a": still}], "a") is None
-    assert label([{"a": near}, {"a": near}, {"a": still}], "a") is None

@@ -35,7 +35,8 @@ def _seen(bodies: Mapping[Body, FloatArray], cameras: int) -> Scene:
 
 def _shifts(rebuilt: Rebuilt, seconds: float = 2.0) -> dict[str, float]:
     """How far each body moves in a world of its own [m]."""
-    with rebuilt.world() as world:
+    with World() as world:
+        rebuilt.fill(world)
         before = world.poses()
         world.step(round(seconds / world.time_step))
         return {

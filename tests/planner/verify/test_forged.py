@@ -17,7 +17,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
-from topple.planner.planning.step import NextStep, Station
+from topple.planner.planning.step import Context, NextStep, Station
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.planner.verify import Verification, verify
 from topple.robots.catalog import robot
@@ -95,7 +95,7 @@ def test_a_load_pressed_into_the_table_that_it_is_said_to_be_put_into() -> None:
     found = plan_transfer("block", scene, arm, BASE, start, [into])
     assert isinstance(found, Transfer), found
     step = NextStep(found, Action.FREE, "it is to be free", order(scene, ["block"]))
-    made = plan_as_done(scene, parse_goal("free block", scene), Station(arm, BASE, start), [step], 0)
+    made = plan_as_done(scene, parse_goal("free block", scene), Context(Station(arm, BASE, start)), [step])
     checked = verify(made, scene, step=ROUGH)
     assert "nor is it pressed into what bears it" in refuted(checked)
     (pressed,) = [each for each in checked.failed if each.name == "pressed into what it is put on or into"]

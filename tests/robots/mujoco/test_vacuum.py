@@ -10,11 +10,11 @@ from moving import at
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
 
 from topple.robots import scenario
-from topple.robots.mujoco.clamps import MujocoClamps
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.shapes import block, plate
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bodies import Body
+from topple.robots.world.clamps import Clamps
 from topple.topology import UnknownObject
 
 
@@ -84,7 +84,7 @@ def test_clamps_keep_what_would_fall_until_they_let_go_of_it(seed: int, kept: st
     with scenario("hold", seed, "mujoco") as stage:
         world = stage.world
         assert isinstance(world, MujocoWorld)
-        before, clamps = world.pose(kept), MujocoClamps(world, [kept])
+        before, clamps = world.pose(kept), Clamps(world, [kept])
         world.remove(gone)
         world.step(480)
         assert clamps.clamped == {kept}
@@ -102,4 +102,4 @@ def test_clamps_are_for_what_is_there_and_moves() -> None:
         world.add(block("block"), at(0.0, 0.0, 0.0))
         for name in ("shelf", "table"):
             with pytest.raises(UnknownObject, match=name):
-                MujocoClamps(world, [name])
+                Clamps(world, [name])

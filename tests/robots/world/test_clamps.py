@@ -6,7 +6,7 @@ import pytest
 from topple.robots import scenario
 from topple.robots.engines import fixture_in
 from topple.robots.poses import angle_between
-from topple.robots.world.bullet_clamps import BulletClamps
+from topple.robots.world.clamps import Clamps
 from topple.topology import UnknownObject
 
 
@@ -16,7 +16,7 @@ from topple.topology import UnknownObject
 def test_it_keeps_what_would_fall_and_lets_go_of_it(seed: int, kept: str, gone: str) -> None:
     with scenario("hold", seed) as stage:
         world = stage.world
-        before, clamps = world.poses(), BulletClamps(world, [kept])
+        before, clamps = world.poses(), Clamps(world, [kept])
         world.step(240)
         assert np.allclose(world.pose(kept), before[kept], atol=1e-5), "nor does it press on what is below"
         world.remove(gone)
@@ -35,5 +35,5 @@ def test_what_is_not_there_or_never_moves_is_refused() -> None:
     with scenario("hold", 1) as stage:
         for name in ("shelf", "table"):
             with pytest.raises(UnknownObject, match=name):
-                BulletClamps(stage.world, [name])
+                Clamps(stage.world, [name])
         assert fixture_in(stage.world, ()) is None
