@@ -209,7 +209,7 @@ def _cut(piece: _Piece, judge: _Judge, fewest: int) -> tuple[_Piece, _Piece] | N
         for limit in limits:
             cost, cuts = 0.0, np.vstack([piece.cuts, [*axis, limit]])
             for half in (few[along <= limit], few[along > limit]):
-                if len(half) == 0:
+                if len(half) * step < fewest:
                     cost = np.inf
                 if cost < least:
                     enough = (least - cost) / len(half)
