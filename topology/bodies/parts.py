@@ -7,10 +7,11 @@ again and again.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from topple.topology.base.arrays import BoolArray, FloatArray
+from topple.topology.base.arrays import BoolArray, FloatArray, frozen
 from topple.topology.bodies.tolerances import (
     FACE_SAMPLES,
     FRACTIONS,
@@ -22,18 +23,19 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.geometry.axes import cross
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import spacing_of, thinned
+from topple.topology.kernels.compiled import address, kernels
 from topple.topology.kernels.neighbours import PointTree
 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
     points: FloatArray
-    cuts: tuple[tuple[FloatArray, float], ...]  # planes axis . x = limit that made the piece
-    hull: Hull
+    cuts: FloatArray  # (k, 4) planes axis . x = limit that made the piece
     hollow: float  # [m]
+    corners: FloatArray  # (V, 3) of its hull
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Judge:
     """Measures how hollow a piece is.
 
@@ -42,51 +44,55 @@ class _Judge:
             points. None: no face is. Empty: every face is, the cloud is complete.
         spacing: Distance of neighbouring points [m], below which a face counts as covered.
         outline: (m, 3) points spread over the whole object [m].
-        outline_spacing: Distance of neighbouring points of `outline` [m].
     """
 
     viewpoints: FloatArray | None
     spacing: float
     outline: FloatArray
-    outline_spacing: float
 
-    def piece(self, points: FloatArray, cuts: tuple[tuple[FloatArray, float], ...]) -> _Piece:
-        """Wrap points that some cuts left."""
-        hull = Hull.of(points)
-        return _Piece(points, cuts, hull, self.hollow(points, cuts, hull))
+    @cached_property
+    def outline_spacing(self) -> float:
+        """Distance of neighbouring points of `outline` [m]."""
+        return spacing_of(self.outline)
 
-    def hollow(
-        self,
-        points: FloatArray,
-        cuts: tuple[tuple[FloatArray, float], ...],
-        hull: Hull,
-        sparse: float = 1.0,
-        enough: float = np.inf,
-    ) -> float:
-        """Depth of typical deep points or width of typical bare faces, whichever is larger [m].
+    def piece(
+        self, points: FloatArray, cuts: FloatArray, sparse: float = 1.0, enough: float = np.inf
+    ) -> _Piece:
+        """Measure how hollow a piece is: the depth of typical deep points or width of typical bare faces.
+
+        Kernel and twin differ by rounding, and in which triangles cover four corners in one plane.
 
         Args:
             points: (N, 3) points of the piece [m].
-            cuts: Planes that made the piece.
-            hull: Hull of the points.
+            cuts: (k, 4) planes that made the piece.
             sparse: How much wider the points are spaced than in the whole cloud.
             enough: Beyond which it does not matter how hollow it is [m].
         """
-        if hull.dimension < 3:
-            complete = self.viewpoints is not None and len(self.viewpoints) == 0
-            return self._bare(points, cuts, hull, sparse) if complete and hull.dimension == 2 else 0.0
-        depth = -hull.facet_distance(points)
-        rank = len(depth) - 1 - len(depth) // 50
-        deep = float(np.partition(depth, rank)[rank])
-        if self.viewpoints is None or deep >= enough:
-            return deep
-        return max(deep, self._bare(points, cuts, hull, sparse))
+        compiled, eyes = kernels(), self.viewpoints
+        if compiled is not None and points.shape[1:] == (3,):
+            corners = np.zeros(len(points), dtype=np.bool_)
+            hollow = compiled.hollow_hull(
+                address(points), len(points), None if eyes is None else address(eyes),
+                0 if eyes is None else len(eyes), address(cuts), len(cuts), address(self.outline),
+                len(self.outline), self.spacing * sparse, self.outline_spacing if len(cuts) else 0.0, SECTION,
+                enough, FACE_SAMPLES, address(corners),
+            )  # fmt: skip
+            if not np.isnan(hollow):  # else rounding decides, or it is flat
+                return _Piece(points, cuts, hollow, points[corners])
+        hull, hollow = Hull.of(points), 0.0
+        if hull.dimension == 3:
+            depth = np.sort(-hull.facet_distance(points))
+            hollow = float(depth[len(depth) - 1 - len(depth) // 50])
+        # A flat hull has faces to be bare where the cloud is complete.
+        if eyes is not None and hull.dimension + (len(eyes) == 0) >= 3 and hollow < enough:
+            hollow = max(hollow, self._bare(points, cuts, hull, sparse))
+        return _Piece(points, cuts, hollow, hull.vertices)
 
-    def _bare(
-        self, points: FloatArray, cuts: tuple[tuple[FloatArray, float], ...], hull: Hull, sparse: float
-    ) -> float:
+    def _bare(self, points: FloatArray, cuts: FloatArray, hull: Hull, sparse: float) -> float:
         """Distance from points that one tenth of the expected faces' area exceeds [m]."""
-        corners = hull.vertices[hull.faces]
+        first = hull.vertices[hull.faces, 0].argmin(axis=1)[:, None]
+        corners = hull.vertices[np.take_along_axis(hull.faces, (first + np.arange(3)) % 3, axis=1)]
+        corners = corners[np.lexsort(corners.sum(axis=1).T[::-1])]  # an order that hangs on places alone
         across = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         area = np.linalg.norm(across, axis=1)
         normals = across / np.maximum(area, 1e-30)[:, None]
@@ -112,15 +118,11 @@ class _Judge:
         return max(0.0, float(np.quantile(distance, 0.9)))
 
     def _in_section(
-        self,
-        places: FloatArray,
-        normals: FloatArray,
-        cuts: tuple[tuple[FloatArray, float], ...],
-        sparse: float,
+        self, places: FloatArray, normals: FloatArray, cuts: FloatArray, sparse: float
     ) -> BoolArray:
         """Which places lie on a cut through solid: straight out from there the object goes on."""
         inside = np.zeros(len(places), dtype=np.bool_)
-        for axis, limit in cuts:
+        for *axis, limit in cuts:
             beside = np.abs(places @ axis - limit) < 3 * self.spacing * sparse
             beside &= np.abs(normals @ axis) > SECTION
             inside |= beside
@@ -163,10 +165,10 @@ def convex_parts(
     """
     if tolerance is None:
         tolerance = max(0.003, 0.04 * float(np.ptp(points, axis=0).mean()))
-    few = _about(points, finest)
-    outline = few[:: -(-len(few) // OUTLINE)]
-    judge = _Judge(viewpoints, spacing_of(few), outline, spacing_of(outline))
-    pieces = [judge.piece(few, ())]
+    few = _about(np.ascontiguousarray(points, dtype=np.float64), finest)
+    eyes = None if viewpoints is None else np.ascontiguousarray(viewpoints, dtype=np.float64)
+    judge = _Judge(eyes, spacing_of(few), few[:: -(-len(few) // OUTLINE)].copy())
+    pieces = [judge.piece(few, np.empty((0, 4)))]
     settled: list[_Piece] = []
     while pieces and len(pieces) + len(settled) < most:
         worst = max(range(len(pieces)), key=lambda index: pieces[index].hollow)
@@ -176,7 +178,7 @@ def convex_parts(
             settled.append(piece)
         else:
             pieces.extend(halves)
-    return tuple(piece.hull.vertices for piece in settled + pieces)
+    return tuple(frozen(piece.corners) for piece in settled + pieces)
 
 
 def _about(points: FloatArray, count: int) -> FloatArray:
@@ -190,7 +192,7 @@ def _about(points: FloatArray, count: int) -> FloatArray:
             break
         spacing *= (len(kept) / count) ** 0.5
         kept = thinned(points, spacing)
-    corners = Hull.of(points).vertices
+    corners = _Judge(None, 0.0, points).piece(points, np.empty((0, 4))).corners
     return np.concatenate([corners[:: -(-len(corners) // count)], kept])
 
 
@@ -202,24 +204,22 @@ def _cut(piece: _Piece, judge: _Judge, fewest: int) -> tuple[_Piece, _Piece] | N
     centred = points - points.mean(axis=0)
     _, axes = np.linalg.eigh(centred.T @ centred)
     least, best = np.inf, None
-    for axis in axes.T:
-        along = few @ axis
-        for limit in np.quantile(along, FRACTIONS):
-            cost, cuts = 0.0, (*piece.cuts, (axis, float(limit)))
+    places = few @ axes
+    for axis, along, limits in zip(axes.T, places.T, np.quantile(places, FRACTIONS, axis=0).T, strict=True):
+        for limit in limits:
+            cost, cuts = 0.0, np.vstack([piece.cuts, [*axis, limit]])
             for half in (few[along <= limit], few[along > limit]):
-                if len(half) == 0:
+                if len(half) * step < fewest:
                     cost = np.inf
                 if cost < least:
                     enough = (least - cost) / len(half)
-                    cost += len(half) * judge.hollow(half, cuts, Hull.of(half), sparse, enough)
+                    cost += len(half) * judge.piece(half, cuts, sparse, enough).hollow
             if cost < least:
-                least, best = cost, cuts[-1]
+                least, best = cost, cuts
     if best is None:
         return None
-    axis, limit = best
-    along = points @ axis
-    low, high = points[along <= limit], points[along > limit]
+    below = points @ best[-1, :3] <= best[-1, 3]
+    low, high = points[below], points[~below]
     if min(len(low), len(high)) < fewest:
         return None
-    cuts = (*piece.cuts, (axis, limit))
-    return judge.piece(low, cuts), judge.piece(high, cuts)
+    return judge.piece(low, best), judge.piece(high, best)

@@ -150,8 +150,8 @@ SECTION = 0.9
 SEARCHED = 300
 """Points that judge a cut: its hulls then take half a millisecond."""
 
-FACE_SAMPLES = 96
-"""Places on a hull that are compared with the cloud: a bare mouth covers a good part of them."""
+FACE_SAMPLES = 192
+"""Places on a hull that are compared with the cloud: half as many let parts fill a twelfth more room."""
 
 OUTLINE = 400
 """Points of the whole object that tell whether it goes on beyond a cut."""

@@ -46,6 +46,7 @@ _SIGNATURES = {
         _ARRAY, _ARRAY, _ARRAY,
     ),
     "heights_over": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY, _NUMBER, _ARRAY),
+    "hollow_hull": (_NUMBER, *[_ARRAY, _COUNT] * 4, *[_NUMBER] * 4, _COUNT, _ARRAY),
     "outline_corners": (_COUNT, _ARRAY, _COUNT, _ARRAY),
     "pinch_windows": (
         None, *[_ARRAY] * 2, _COUNT, *[_ARRAY] * 2, *[_COUNT] * 2, *[_ARRAY] * 2, _COUNT, _ARRAY, _COUNT,

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from topple.topology.base.arrays import bounds
+from topple.topology.bodies.parts import convex_parts
+from topple.topology.geometry.hull import Hull
 from topple.topology.kernels import build, compiled
 from topple.topology.kernels.cavity import roofed, walled
 from topple.topology.kernels.cells import cells_of, turned_bounds, within_reach
@@ -215,6 +217,31 @@ def test_the_closest_places_are_as_far(monkeypatch, name, other, most):
         assert len(away) == min(most, len(points)) and (away <= nearest).all()
         assert np.allclose(nearest, others, rtol=1e-12, atol=1e-12)
         assert np.allclose(away, expected, rtol=1e-6, atol=1e-7)
+
+
+SHELL = CLOUDS["on a ball"] * RNG.normal([1.0, 1.0, 0.6], 0.01, BALL.shape)
+SHELL = SHELL[SHELL[:, 2] < 0.1]
+HOLLOW = {
+    "shell": SHELL[:1200],
+    "thick shell": np.concatenate([SHELL[:900], 0.9 * SHELL[900:1500]]),
+    "shell far away": 1e-2 * SHELL[:900] + 1e3,
+    "two shells": np.concatenate([SHELL[:300], SHELL[300:600] + 2.0]),
+}
+
+
+@pytest.mark.parametrize("eyes", [None, np.empty((0, 3)), np.array([[0.0, 0.5, 9.0], [0.0, 9.0, 3.0]])])
+@pytest.mark.parametrize("name", [*HOLLOW, *(name for name in CLOUDS if name != "in two axes")])
+def test_clouds_are_cut_into_the_same_parts(monkeypatch, name, eyes):
+    points, found = {**HOLLOW, **CLOUDS}[name], []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        found.append([Hull.of(part) for part in convex_parts(points, 0.03 * float(np.ptp(points)), eyes)])
+    assert (
+        len(found[0]) == len(found[1]) > (2 if name in HOLLOW and eyes is not None and not len(eyes) else 0)
+    )
+    for one, other in zip(*found, strict=True):
+        assert one.dimension == other.dimension
+        assert one.volume == pytest.approx(other.volume, rel=1e-6)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.75, 1.0])
