@@ -151,7 +151,8 @@ SEARCHED = 300
 """Points that judge a cut: its hulls then take half a millisecond."""
 
 FACE_SAMPLES = 192
-"""Places on a hull that are compared with the cloud: half as many let parts fill a twelfth more room."""
+"""Places on a hull that are compared with the cloud: with half as many 10 of 80 trays
+have a lid over their rims, with these 5."""
 
 OUTLINE = 400
 """Points of the whole object that tell whether it goes on beyond a cut."""
