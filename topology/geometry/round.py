@@ -15,7 +15,6 @@ from topple.topology.geometry.tolerances import (
     LARGEST_RESIDUAL,
     LEAST_ARC,
     LEAST_CAP,
-    MANY_FITTED,
     SPHEROID_PENALTY,
     STRAY,
     STRETCHES,
@@ -120,10 +119,9 @@ def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
         points: (N, 3) seen points [m].
         normals: (M, 3) normals at flat spots among them.
     """
-    some = points[:: -(-len(points) // MANY_FITTED)] if len(points) else points
-    balls = [_ball(some, axis, stretch) for axis, stretch in _stretches(some)]
-    found = [body for body in (*balls, *_cylinders(some, normals)) if body is not None]
-    return tuple(Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, some)) for body in found)
+    balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
+    found = [body for body in (*balls, *_cylinders(points, normals)) if body is not None]
+    return tuple(Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, points)) for body in found)
 
 
 def round_body(

@@ -70,9 +70,6 @@ BELOW_FLOOR = 0.25
 BETTER_THAN_BOX = 0.8
 """A round body has to explain the points with less than this share of the error that the best box leaves."""
 
-MANY_FITTED = 800
-"""Points by which round bodies are fitted; more change a radius by less than noise of the camera does."""
-
 COARSE = 0.01
 """Spacing [m] at which a fit's lowest point is looked for."""
 
