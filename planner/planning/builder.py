@@ -158,7 +158,7 @@ class PlanBuilder:
 
     def plan(self, q_start: FloatArray, base_searched: bool, assumptions: Sequence[str]) -> Plan:
         """What was planned, as data."""
-        return Plan(
+        made = Plan(
             goal=self.goal.text,
             poses={name: np.round(pose, DIGITS).tolist() for name, pose in self.goal.poses.items()},
             robot=self.arm.name,
@@ -189,6 +189,8 @@ class PlanBuilder:
             planning_seconds=round(self.last - self.started, 3),
             tried=dict(self.tried),
         )
+        vars(made)["scene"] = (self.before[0][0] if self.before else self.situation).scene  # for names in print
+        return made
 
     def dependencies(self) -> list[DependencyData]:
         """Why the steps come in this order: what had to go first when an object was taken."""
