@@ -189,7 +189,8 @@ class PlanBuilder:
             planning_seconds=round(self.last - self.started, 3),
             tried=dict(self.tried),
         )
-        vars(made)["scene"] = (self.before[0][0] if self.before else self.situation).scene  # for names in print
+        begun = self.before[0][0] if self.before else self.situation
+        vars(made)["scene"] = begun.scene  # for the names in its print
         return made
 
     def dependencies(self) -> list[DependencyData]:
