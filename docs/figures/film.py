@@ -26,7 +26,7 @@ from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
 from topple.robots import scenario
 
-EVERY = 1.1  # [s] of the arm's motion between two pictures of it
+EVERY = 0.9  # [s] of the arm's motion between two pictures of it
 WAITS = (370, 66, 1300)  # [ms] that a picture stands: as an arrow is drawn, as the arm moves, at the end
 EYE, TARGET, RADIUS = (1.08, -1.27, 1.02), (0.0, 0.02, 0.3), 0.7  # [m] the whole arm is in view
 SIZE = (1080, 346)  # [pixels]

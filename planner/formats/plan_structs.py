@@ -313,8 +313,7 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True, dict=True):
 
     def __str__(self) -> str:
         """What `topple plan` prints: the goal, where the arm stands, a line for each step."""
-        told = self.heading(), [row[1:] for row in self.rows()]
-        heading, rows = in_words(scene, told) if (scene := vars(self).get("scene")) else told
+        heading, rows = in_words(vars(self).get("scene"), (self.heading(), [row[1:] for row in self.rows()]))
         return "\n".join([*heading, *in_columns([(str(n), *row) for n, row in enumerate(rows, start=1)])])
 
     def _repr_html_(self) -> str | None:

@@ -189,8 +189,8 @@ class PlanBuilder:
             planning_seconds=round(self.last - self.started, 3),
             tried=dict(self.tried),
         )
-        begun = self.before[0][0] if self.before else self.situation
-        vars(made)["scene"] = begun.scene  # for the names in its print
+        # for the names in its print
+        vars(made)["scene"] = self.before[0][0].scene if self.before else self.situation.scene
         return made
 
     def dependencies(self) -> list[DependencyData]:

@@ -14,14 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 FOLDER = Path(__file__).parent
-FLAGS = (
-    "-std=c++17",
-    "-O3",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-fno-trapping-math",
-    "-fPIC",
-)
+FLAGS = "-std=c++17 -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC".split()
 """The same arithmetic everywhere: no instructions beyond the platform's least, no fused products."""
 COMPILERS = ("c++", "g++", "clang++")
 
@@ -59,9 +52,8 @@ def build(flags: tuple[str, ...] = (), target: Path | None = None) -> str | None
     path = target or library()
     fresh = path.with_suffix(f".{os.getpid()}")  # a process that loads meanwhile finds it whole or not at all
 
-    def run(*words: object) -> subprocess.CompletedProcess[str]:
-        given = [command, *FLAGS, *flags, *map(str, words)]
-        return subprocess.run(given, capture_output=True, text=True, check=False)
+    def run(*words: Path | str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([command, *FLAGS, *flags, *words], capture_output=True, text=True, check=False)
 
     with TemporaryDirectory() as folder, ThreadPoolExecutor(os.cpu_count()) as pool:
         units = {Path(folder, f"{each.stem}.o"): each for each in sources() if each.suffix == ".cpp"}

@@ -40,8 +40,7 @@ class Viewer {
     this.clouds = scene.objects.map(unpack);
     this.normals = scene.objects.map((o) => new Int8Array(bytesOf(o.normals)));
     this.colours = scene.objects.map((o) => rgb(o.paint));
-    this.frame();
-    this.reset();
+    this.frame(); this.reset();
     this.listen(onPick);
     new ResizeObserver(() => { if (this.size().some((v, i) => v !== [canvas.width, canvas.height][i])) this.redraw(); }).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
