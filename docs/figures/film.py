@@ -28,7 +28,7 @@ from topple.robots import scenario
 
 EVERY = 0.9  # [s] of the arm's motion between two pictures of it
 WAITS = (370, 66, 1300)  # [ms] that a picture stands: as an arrow is drawn, as the arm moves, at the end
-EYE, TARGET, RADIUS = (1.08, -1.27, 1.02), (0.0, 0.02, 0.3), 0.7  # [m] the whole arm is in view
+EYE, TARGET, RADIUS = (1.03, -1.43, 1.05), (-0.08, -0.06, 0.29), 0.7  # [m] the whole arm is in view
 SIZE = (1080, 346)  # [pixels]
 STYLE = """<style>body { margin: 0; padding: 8px; max-width: none; }
 .film { display: grid; gap: 12px; grid-template-columns: 370px 320px 350px; height: 290px;
