@@ -33,9 +33,12 @@ CALLS = (
     "order scene.npz cup",
     "order scene.npz --build",
     "check scene.npz",
+    "rank scene.npz grasps.npz --robot panda",
+    "run scene.npz --target cup --robot panda-suction",
+    "score scene.npz --labels labels.json",
     "robot panda --no-grasp",
 )
-"""Commands whose JSON is shown, of a cup on a book on a table."""
+"""Commands whose JSON is shown, of a cup on a book on a table, a grasp of each and labels."""
 
 
 TASKS = {
@@ -106,8 +109,8 @@ def _documents() -> str:
     import numpy as np
 
     def box(x: float, z: float, *size: float) -> Any:
-        points, side = np.random.default_rng(1).uniform(-0.5, 0.5, (3000, 3)), np.arange(3000) % 3
-        points[np.arange(3000), side] = np.sign(points[np.arange(3000), side]) * 0.5
+        points, side = np.random.default_rng(1).uniform(-0.5, 0.5, (12_000, 3)), np.arange(12_000) % 3
+        points[np.arange(12_000), side] = np.sign(points[np.arange(12_000), side]) * 0.5
         return points * size + (x, 0, z)
 
     def cut(value: Any) -> Any:
@@ -126,8 +129,12 @@ def _documents() -> str:
     with tempfile.TemporaryDirectory() as folder:
         parts = {"table": box(0.5, -0.01, 0.8, 0.8, 0.02), "book": box(0.5, 0.02, 0.2, 0.15, 0.04)}
         np.savez(f"{folder}/scene.npz", **parts, cup=box(0.5, 0.08, 0.06, 0.06, 0.08), up=[0, 0, 1])
+        grasps = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (2, 1, 1))  # from above, across each
+        grasps[:, :3, 3] = (0.5, 0, 0.03), (0.5, 0, 0.09)
+        np.savez(f"{folder}/grasps.npz", poses=grasps, scores=[0.9, 0.8])
+        Path(folder, "labels.json").write_text('{"book": {"cup": 1}, "cup": {"book": 0}}', encoding="utf-8")
         for call in CALLS:
-            words = call.replace("scene.npz", f"{folder}/scene.npz").split()
+            words = re.sub(r"\w+\.(?=npz|json)", rf"{folder}/\g<0>", call).split()
             told = cut(json.loads(_printed([*words, "--json"]).replace(f"{folder}/", "")))
             shown = ROW.sub(
                 lambda row: " ".join(row[0].split()), json.dumps(told, indent=1, ensure_ascii=False)

@@ -11,35 +11,25 @@ from topple.topology import load_scene
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
-SCRIPTS = (
-    "look.py", "write_bop.py", "write_bag.py", "ros_node.py", "real_frame.py", "hold.py", "swap.py",
-    "own_loop.py", "own_world.py", "track.py", "learn.py", "ros_driver.py",
-)  # fmt: skip
+SCRIPTS = tuple(sorted(path.name for path in EXAMPLES.glob("*.py")))
 PAGE = (EXAMPLES.parent / "docs" / "examples.md").read_text(encoding="utf-8")
-ON_BULLET = {"own_world.py"}  # a foreign world of PyBullet, or of MuJoCo where that alone is
+ON_BULLET = {"09_own_world.py"}  # a foreign world of PyBullet, or of MuJoCo where that alone is
 
 
 def _output(folder: Path, script: str, *arguments: str) -> list[str]:
     """Lines an example prints; its warnings are errors."""
-    done = subprocess.run(
-        [sys.executable, "-W", "error", str(EXAMPLES / script), *arguments],
-        cwd=folder,
-        env={
-            **os.environ,
-            "OMP_NUM_THREADS": "1",
-            "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}",
-        },
-        capture_output=True,
-        text=True,
-        timeout=240,
-    )
+    there = {"OMP_NUM_THREADS": "1", "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}"}
+    argv = [sys.executable, "-W", "error", str(EXAMPLES / script), *arguments]
+    kept = {"cwd": folder, "env": os.environ | there, "capture_output": True, "text": True, "timeout": 240}
+    done = subprocess.run(argv, **kept)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout.splitlines()
 
 
 def test_every_example_is_tested_and_short() -> None:
-    assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(SCRIPTS)
-    assert tuple(re.findall(r"^\| \d+ \| `(\w+\.py)` \|", PAGE, re.MULTILINE)) == SCRIPTS
+    tested = Path(__file__).read_text(encoding="utf-8")
+    assert all(f'_output(tmp_path, "{script}"' in tested for script in SCRIPTS) and len(SCRIPTS) == 12
+    assert tuple(re.findall(r"^\| `(\w+\.py)` \|", PAGE, re.MULTILINE)) == SCRIPTS
     for script in SCRIPTS:
         assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 60, script
 
@@ -51,7 +41,7 @@ def test_examples_name_no_engine_but_those_that_need_it() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("script", ["hold.py", "learn.py", "own_loop.py", "own_world.py", "write_bop.py"])
+@pytest.mark.parametrize("script", [each for each in SCRIPTS if re.search("hold|learn|own|bop", each)])
 def test_examples_play_where_mujoco_alone_is(script: str, tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     (tmp_path / "sitecustomize.py").write_text("import sys; sys.modules['pybullet'] = None", encoding="utf-8")
@@ -60,7 +50,7 @@ def test_examples_play_where_mujoco_alone_is(script: str, tmp_path: Path) -> Non
 
 @pytest.mark.slow
 def test_a_loop_of_ones_own_builds_a_tower_and_moves_nothing_else(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "own_loop.py")
+    lines = _output(tmp_path, "08_own_loop.py")
     steps = [line.split(":")[0] for line in lines if not line.startswith(("seen", "in truth"))]
     assert steps == ["remove red", "place green", "place red"]
     assert lines.count("seen: everything is where it should be") == 3
@@ -69,25 +59,26 @@ def test_a_loop_of_ones_own_builds_a_tower_and_moves_nothing_else(tmp_path: Path
 
 @pytest.mark.slow
 def test_a_policy_learns_and_is_held_against_the_highest_first(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "learn.py")
+    lines = _output(tmp_path, "11_learn.py")
     assert [line.split(":")[0] for line in lines] == ["8 scenes", "learned", "highest"]
     found = json.loads((tmp_path / "learned.json").read_text(encoding="utf-8"))
     assert len(found["returns"]) == 8 and len(found["learned"]) == len(found["highest"]) == 1
-    assert found["weights"][3] < 0 < found["weights"][2]  # what is barred waits, what bars the target goes
+    # what is barred waits, what bars the target goes
+    assert found["weights"][3] < 0 < found["weights"][2] and (tmp_path / "learned.png").exists()
 
 
 @pytest.mark.slow
 def test_two_things_change_places_by_a_verified_plan(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "swap.py")
+    lines = _output(tmp_path, "07_swap.py")
     assert lines[-1].startswith("3 moves, ") and lines[-1].endswith("certified: True")
     assert not any("not checked" in line for line in lines)
-    assert len(_output(tmp_path, "swap.py", "start.npz", "goal.npz")) == 2
+    assert len(_output(tmp_path, "07_swap.py", "start.npz", "goal.npz")) == 2
     assert load_scene(tmp_path / "start.npz").names == load_scene(tmp_path / "goal.npz").names
 
 
 @pytest.mark.slow
 def test_look_writes_a_small_scene_that_says_everything(tmp_path: Path) -> None:
-    assert _output(tmp_path, "look.py")
+    assert _output(tmp_path, "01_look.py")
     scene = load_scene(tmp_path / "scene.npz")
     assert set(scene.names) == {"table", "plate", "spoon_1", "spoon_2", "fork", "can"}
     assert scene.fixed == {"table"}
@@ -100,7 +91,7 @@ def test_look_writes_a_small_scene_that_says_everything(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_simulated_scene_becomes_one_of_a_bop_dataset(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "write_bop.py")
+    lines = _output(tmp_path, "02_write_bop.py")
     assert lines[-1].startswith("bop/test/000001: obj_000001 plate, ")
     scene = load_scene(tmp_path / "bop" / "test" / "000001", image=2)
     assert len(scene.names) == 6 and scene.fixed == {"table"}
@@ -108,20 +99,20 @@ def test_a_simulated_scene_becomes_one_of_a_bop_dataset(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_simulated_camera_becomes_a_recording_of_ros(tmp_path: Path) -> None:
-    assert _output(tmp_path, "write_bag.py")[-1].startswith("run: labels 1 table 3 plate ")
+    assert _output(tmp_path, "03_write_bag.py")[-1].startswith("run: labels 1 table 3 plate ")
     scene = load_scene(tmp_path / "run" / "run.mcap", fixed=["1"], image=2)
     assert len(scene.names) == 6 and scene.robot_base is not None
 
 
 def test_a_ros_node_answers_a_cloud_as_it_comes_over_the_wire(tmp_path: Path) -> None:
-    told = json.loads(_output(tmp_path, "ros_node.py")[-1])
-    assert told["order"] == ["3", "2"]
+    told = json.loads(_output(tmp_path, "04_ros_node.py")[-1])
+    assert told["order"] == ["3", "2"] and (tmp_path / "ros_node.png").exists()
     assert [(one["first"], one["then"]) for one in told["dependencies"]] == [("3", "2")]
 
 
 @pytest.mark.slow
 def test_a_tracked_spoon_goes_into_the_bowl_and_out_again(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "track.py")
+    lines = _output(tmp_path, "10_track.py")
     assert lines[0].startswith("60 frames, ")
     assert "table touch bowl: frames 1-60" in lines
     assert any(line.startswith("bowl partial contain spoon: frames ") for line in lines)
@@ -129,7 +120,7 @@ def test_a_tracked_spoon_goes_into_the_bowl_and_out_again(tmp_path: Path) -> Non
 
 @pytest.mark.slow
 def test_in_a_foreign_world_the_counterweight_is_found_and_a_stack_taken_apart(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "own_world.py")
+    lines = _output(tmp_path, "09_own_world.py")
     assert "never moves: table" in lines
     taken = [line.split(":")[0] for line in lines if line[0].isdigit()]
     assert taken[-1] == "3. block"
@@ -140,7 +131,7 @@ def test_in_a_foreign_world_the_counterweight_is_found_and_a_stack_taken_apart(t
 
 
 def test_two_cards_come_apart_with_a_second_hand(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "hold.py")
+    lines = _output(tmp_path, "06_hold.py")
     assert "with more hands, hold " in lines[0]
     first, held = lines[1].removeprefix("take ").partition(";")[0].split(", ")
     assert f"hold {held} while {first} is taken" in lines[1]
@@ -153,11 +144,11 @@ def test_two_cards_come_apart_with_a_second_hand(tmp_path: Path) -> None:
 def test_a_frame_becomes_a_world_to_act_in(frame: Path | None, tmp_path: Path) -> None:
     if frame is not None and not frame.exists():
         pytest.skip(f"no real frames in {FRAMES}")
-    lines = _output(tmp_path, "real_frame.py", *([] if frame is None else [str(frame), "1"]))
+    lines = _output(tmp_path, "05_real_frame.py", *([] if frame is None else [str(frame), "1"]))
     assert any(line.startswith("note: the arm's base stands at") for line in lines)
     assert (tmp_path / "real_frame.html").stat().st_size > 100_000
 
 
 def test_the_driver_of_ros_says_where_there_is_none(tmp_path: Path) -> None:
-    (line,) = _output(tmp_path, "ros_driver.py")
-    assert line.startswith(("no ROS 2 here", "the arm is at"))
+    *_, line = _output(tmp_path, "12_ros_driver.py")
+    assert line.startswith(("no ROS 2 here", "the arm is at")) and (tmp_path / "ros_driver.png").exists()

@@ -79,10 +79,10 @@ def test_the_readme_works_line_by_line_in_a_bare_shell(tmp_path: Path) -> None:
         for language, text in blocks
         if language != "text"
     ]
-    assert typed[0].startswith("make demo ") and len(typed) > 1
+    assert typed[0].startswith("make install ") and len(typed) > 1
     path = os.pathsep.join(each for each in os.environ["PATH"].split(os.pathsep) if ".venv" not in each)
     if "TOPPLE_BIN" in os.environ:
-        typed[0] = typed[0].replace("make demo", "topple demo").replace("source .venv/bin/activate", "true")
+        typed[0] = typed[0].replace("make install", "true").replace("source .venv/bin/activate", "true")
         path = f"{os.environ['TOPPLE_BIN']}{os.pathsep}{path}"
     environment = {key: os.environ[key] for key in os.environ if key == "HOME" or key.startswith("PIP_")}
     done = subprocess.run(

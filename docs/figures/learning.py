@@ -1,4 +1,4 @@
-"""The curve of examples/learn.py: the return of each batch of piles, and of 200 fresh ones, as an SVG.
+"""The curve of examples/11_learn.py: the return of each batch of piles, and of 200 fresh ones, as an SVG.
 
 python docs/figures/learning.py        # from docs/figures/learned.json, which that example wrote
 """

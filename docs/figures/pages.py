@@ -34,7 +34,7 @@ def main() -> None:
             [sys.executable, "-c", FRAME],
             [TOPPLE, "show", "frame.npz", "--target", "plate", "-o", "show.html"],
             [TOPPLE, "show", "frame.npz", "--target", "plate", "-o", HERE / "order.gif"],
-            [sys.executable, EXAMPLES / "look.py", "scene.npz"],
+            [sys.executable, EXAMPLES / "01_look.py", "scene.npz"],
             [
                 TOPPLE,
                 "plan",

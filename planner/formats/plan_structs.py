@@ -6,7 +6,7 @@ import numpy as np
 from topple.planner.formats.plan_robot import ArmData
 from topple.planner.motion.trajectory import Trajectory
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.notebook import in_cell
+from topple.topology.base.notebook import in_cell, in_words
 from topple.topology.base.values import in_columns
 
 FORMAT = "topple.plan"
@@ -205,7 +205,7 @@ class ObjectData(msgspec.Struct, frozen=True):
     whole: list[Matrix] = []
 
 
-class PlanData(msgspec.Struct, frozen=True, kw_only=True):
+class PlanData(msgspec.Struct, frozen=True, kw_only=True, dict=True):
     """A whole sequence.
 
     Attributes:
@@ -313,7 +313,8 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
 
     def __str__(self) -> str:
         """What `topple plan` prints: the goal, where the arm stands, a line for each step."""
-        return "\n".join([*self.heading(), *in_columns(self.rows())])
+        heading, rows = in_words(vars(self).get("scene"), (self.heading(), [row[1:] for row in self.rows()]))
+        return "\n".join([*heading, *in_columns([(str(n), *row) for n, row in enumerate(rows, start=1)])])
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""

@@ -137,7 +137,7 @@ class PlanBuilder:
     def plan(self, base_searched: bool, assumptions: Sequence[str]) -> Plan:
         """What was planned, as data."""
         context, arm = self.context, self.context.station.arm
-        return Plan(
+        made = Plan(
             goal=self.goal.text,
             poses={name: np.round(pose, DIGITS).tolist() for name, pose in self.goal.poses.items()},
             robot=arm.name,
@@ -168,6 +168,9 @@ class PlanBuilder:
             planning_seconds=round(self.last - self.started, 3),
             tried=dict(self.tried),
         )
+        # for the names in its print
+        vars(made)["scene"] = self.before[0][0].scene if self.before else self.situation.scene
+        return made
 
     def dependencies(self) -> list[DependencyData]:
         """Why the steps come in this order: what had to go first when an object was taken."""

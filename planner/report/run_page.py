@@ -113,8 +113,8 @@ class _RunPage:
         if not images:
             return ""
         slider = (
-            f'<label class="cut"><span>{when[0]}</span><input type="range" min="0" max="100" value="100" '
-            f'aria-label="how much of the picture is {when[0]}"><span>{when[1]}</span></label>'
+            f'<label class="cut"><span>{when[0]}</span><input type="range" min="0" max="100" value="0" '
+            f'autocomplete="off" aria-label="how much is {when[1]}"><span>{when[1]}</span></label>'
         )
         return photo_figure(images[0], marks + "".join(images[1:]), words, slider if len(images) > 1 else "")
 

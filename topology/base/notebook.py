@@ -1,13 +1,15 @@
-"""What a notebook's cell shows of an object: what the layer that draws makes of it, found by entry points."""
+"""What layers above know better how to show: a notebook's cell, names for numbers; found by entry points."""
 
-from collections.abc import Callable
+from contextlib import suppress
 from importlib.metadata import entry_points
-from typing import Any
+from typing import Any, TypeVar
 
 from topple.topology.base.errors import ToppleError
 
 GROUP = "topple.notebook"
-"""Entry points, one per type and under its name, that give its HTML."""
+"""Entry points, one per type and under its name, that give its HTML; `names` puts names for numbers."""
+
+Value = TypeVar("Value")
 
 
 def in_cell(thing: object) -> str | None:
@@ -19,10 +21,25 @@ def in_cell(thing: object) -> str | None:
     Returns:
         HTML; None where nothing draws it, or it cannot be drawn: the notebook then shows its text.
     """
-    for entry in entry_points(group=GROUP, name=type(thing).__name__):
-        draw: Callable[[Any], str] = entry.load()
-        try:
-            return draw(thing)
-        except ToppleError:
-            return None
-    return None
+    return _answered(type(thing).__name__, None, thing)
+
+
+def in_words(scene: object, value: Value) -> Value:
+    """Put what people call the objects of a scene in the place of bare numbers, for print.
+
+    Args:
+        scene: The scene; None where it is not there any more.
+        value: Texts, or tuples and lists of them.
+
+    Returns:
+        The same; as it is where nothing knows names, or none can be told.
+    """
+    return value if scene is None else _answered("names", value, scene, value)
+
+
+def _answered(name: str, otherwise: Any, *asked: object) -> Any:
+    """What the entry point of a name makes of something, where there is one and it can."""
+    for entry in entry_points(group=GROUP, name=name):
+        with suppress(ToppleError):
+            return entry.load()(*asked)
+    return otherwise

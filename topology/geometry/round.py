@@ -121,7 +121,9 @@ def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
     """
     balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
     found = [body for body in (*balls, *_cylinders(points, normals)) if body is not None]
-    return tuple(Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, points)) for body in found)
+    return tuple(
+        Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, points)) for body in found
+    )
 
 
 def round_body(

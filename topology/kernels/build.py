@@ -9,18 +9,12 @@ import shutil
 import subprocess
 import sys
 import zlib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 FOLDER = Path(__file__).parent
-FLAGS = (
-    "-std=c++17",
-    "-O3",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-fno-trapping-math",
-    "-shared",
-    "-fPIC",
-)
+FLAGS = "-std=c++17 -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC".split()
 """The same arithmetic everywhere: no instructions beyond the platform's least, no fused products."""
 COMPILERS = ("c++", "g++", "clang++")
 
@@ -57,9 +51,14 @@ def build(flags: tuple[str, ...] = (), target: Path | None = None) -> str | None
         return "no C++ compiler was found (CXX names one)"
     path = target or library()
     fresh = path.with_suffix(f".{os.getpid()}")  # a process that loads meanwhile finds it whole or not at all
-    units = [str(path) for path in sources() if path.suffix == ".cpp"]
-    given = [command, *FLAGS, *flags, *units, "-o", str(fresh)]
-    done = subprocess.run(given, capture_output=True, text=True, check=False)
+
+    def run(*words: Path | str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([command, *FLAGS, *flags, *words], capture_output=True, text=True, check=False)
+
+    with TemporaryDirectory() as folder, ThreadPoolExecutor(os.cpu_count()) as pool:
+        units = {Path(folder, f"{each.stem}.o"): each for each in sources() if each.suffix == ".cpp"}
+        parts = pool.map(lambda unit: run("-c", units[unit], "-o", unit), units)
+        done = next((part for part in parts if part.returncode), None) or run("-shared", *units, "-o", fresh)
     if done.returncode or not fresh.exists():
         fresh.unlink(missing_ok=True)
         last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]

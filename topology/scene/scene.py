@@ -24,7 +24,7 @@ from topple.topology.base.checks import (
     numeric,
 )
 from topple.topology.base.errors import InvalidInput, UnknownObject
-from topple.topology.base.notebook import in_cell
+from topple.topology.base.notebook import in_cell, in_words
 from topple.topology.base.tolerances import FEWEST_SEEN
 from topple.topology.base.values import ByValue, FrozenDict, all_but
 from topple.topology.geometry.plane import up_from_fixed
@@ -172,9 +172,10 @@ class Scene(ByValue):
     def __str__(self) -> str:
         """The objects, what never moves, and what was assumed, a line each."""
         size, up = sum(map(len, self.clouds.values())), "not known" if self.up is None else self.up.round(2)
-        objects = f"{len(self.movable)} objects: {', '.join(self.movable)}"
-        about = f"fixed: {', '.join(sorted(self.fixed)) or 'nothing'}", f"{size:,} points; up is {up}"
-        return "\n".join([objects, *about, *(f"Assumed: {each}" for each in self.assumptions)])
+        movable, fixed, assumed = in_words(self, (self.movable, sorted(self.fixed), self.assumptions))
+        about = f"fixed: {', '.join(fixed) or 'nothing'}", f"{size:,} points; up is {up}"
+        objects = f"{len(movable)} objects: {', '.join(movable)}"
+        return "\n".join([objects, *about, *(f"Assumed: {each}" for each in assumed)])
 
     @classmethod
     @checked_arguments

@@ -10,6 +10,7 @@ import numpy as np
 
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.notebook import in_words
 from topple.topology.base.values import in_columns, same
 from topple.topology.scene.scene import Scene
 from topple.topology.sixim.pair import PairRelation
@@ -235,7 +236,7 @@ class RelationTable:
         met = [pair for pair in self.near.values() if pair.relation is not Relation.DISJOINT]
         head = f"{len(self.objects)} objects, deviation {1000 * self.deviation:.2f} mm"
         far = f"disjoint: {len(self) - len(met)} of {len(self)} pairs"
-        return "\n".join([head, *in_columns([pair.cells() for pair in met]), far])
+        return "\n".join([head, *in_columns(in_words(self.scene, [pair.cells() for pair in met])), far])
 
     def of(self, name: str) -> Iterator[PairRelation]:
         """The pairs of one object that were looked at closely, each told from it.

@@ -2,10 +2,7 @@
 // What an arm does, played back in a view: link shapes come once, poses for key frames, and in between they are mixed.
 
 const SHORT = 1e-4; // metres in a step of a length
-const shorts = (text) => {
-  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), view = new DataView(bytes.buffer);
-  return Float32Array.from({ length: bytes.length / 2 }, (_, i) => view.getInt16(2 * i, true));
-};
+const shorts = (text) => Float32Array.from(new Int16Array(bytesOf(text)));
 
 // A pose of seven numbers (position in steps, quaternion) between two frames, as [rotation by rows, position in metres].
 function mixed(poses, at, next, share) {

@@ -12,13 +12,18 @@ const ordinal = (n) => n + (n % 100 > 10 && n % 100 < 14 ? "th" : ["th", "st", "
 
 const rgb = (colour) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16));
 
+// What base64 holds; `Uint8Array.from` goes through a text several times as slowly as a loop.
+function bytesOf(text) {
+  const letters = atob(text), bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
+  return bytes.buffer;
+}
+
 // Coordinates come as 16-bit steps from the lower corner of the object's box.
-function unpack(object) {
-  const bytes = Uint8Array.from(atob(object.points), (c) => c.charCodeAt(0));
-  const steps = new DataView(bytes.buffer);
-  const points = new Float32Array(bytes.length / 2);
-  for (let i = 0; i < points.length; i++) points[i] = object.lower[i % 3] + steps.getUint16(2 * i, true) * object.step;
-  return points;
+function unpack({ points, lower, step }) {
+  const steps = new Uint16Array(bytesOf(points)), places = new Float32Array(steps.length);
+  for (let i = 0; i < steps.length; i++) places[i] = lower[i % 3] + steps[i] * step;
+  return places;
 }
 
 class Viewer {
@@ -33,12 +38,11 @@ class Viewer {
     this.busy = false; // turned or played: drawn coarser, at once
     this.lit = new Set();
     this.clouds = scene.objects.map(unpack);
-    this.normals = scene.objects.map((o) => Int8Array.from(atob(o.normals), (c) => c.charCodeAt(0)));
+    this.normals = scene.objects.map((o) => new Int8Array(bytesOf(o.normals)));
     this.colours = scene.objects.map((o) => rgb(o.paint));
-    this.frame();
-    this.reset();
+    this.frame(); this.reset();
     this.listen(onPick);
-    new ResizeObserver(() => this.redraw()).observe(canvas);
+    new ResizeObserver(() => { if (this.size().some((v, i) => v !== [canvas.width, canvas.height][i])) this.redraw(); }).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
   }
 
@@ -116,18 +120,16 @@ class Viewer {
     return [this.canvas.width / 2 + s * dot(d, this.right), this.canvas.height / 2 + s * dot(d, this.down), z];
   }
 
+  size() { return [this.canvas.clientWidth, this.canvas.clientHeight].map((v) => Math.round(v * this.scale)); }
+
   draw() {
-    const scale = this.busy ? Math.min(devicePixelRatio || 1, 1.5) : Math.max(devicePixelRatio || 1, 2); // smooths edges
-    const width = Math.round(this.canvas.clientWidth * scale), height = Math.round(this.canvas.clientHeight * scale);
+    this.scale = this.busy ? Math.min(devicePixelRatio || 1, 1.5) : Math.max(devicePixelRatio || 1, 2); // smooths edges
+    const [width, height] = this.size();
     if (!width || !height) return;
-    if (this.canvas.width !== width || this.canvas.height !== height) {
-      this.canvas.width = width;
-      this.canvas.height = height;
-    }
+    if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
     const style = getComputedStyle(this.canvas);
     this.paper = style.backgroundColor.match(/\d+/g).slice(0, 3).map(Number);
     this.ink = style.color;
-    this.scale = scale;
     this.place();
     const context = this.canvas.getContext("2d");
     context.clearRect(0, 0, width, height);
@@ -150,8 +152,8 @@ class Viewer {
     const image = context.createImageData(width, height), pixels = new Uint32Array(image.data.buffer);
     const depths = new Float32Array(width * height).fill(Infinity), { eye, right, down, forward, focal, scene, paper } = this;
     const lamp = unit(add(add(forward.map((v) => -v), this.up, 0.9), right, -0.5));
-    const paint = (number, n, guessed) => {
-      const shine = 0.5 + 0.55 * Math.abs(dot(n, lamp)), faint = this.dimmed(number) ? 0.78 : guessed || scene.objects[number]?.fixed ? 0.6 : 0;
+    const paint = (number, side, guessed) => {
+      const shine = 0.5 + 0.55 * Math.abs(side), faint = this.dimmed(number) ? 0.78 : guessed || scene.objects[number]?.fixed ? 0.6 : 0;
       return this.colours[number].reduce((all, c, i) => all | (Math.min(255, c * shine) * (1 - faint) + paper[i] * faint) << 8 * i, 0xff000000);
     };
     const put = (u0, u1, v0, v1, tint, depth) => {
@@ -163,13 +165,16 @@ class Viewer {
       }
     };
     if (this.show.surfaces) scene.objects.forEach(({ seen, spacing }, index) => {
-      const points = this.clouds[index], normals = this.normals[index], pose = this.moved.get(index);
+      const points = this.clouds[index], normals = this.normals[index], pose = this.moved.get(index) || STILL;
+      const own = (axis) => [0, 1, 2].map((j) => dot(axis, [pose[0][j], pose[1][j], pose[2][j]])).concat(dot(axis, sub(pose[3], eye)));
+      const [r, d, f, l] = [right, down, forward, lamp].map(own); // turned into the object's frame, so that no point is
+      const along = (axis, i) => axis[0] * points[i] + axis[1] * points[i + 1] + axis[2] * points[i + 2] + axis[3];
+      const tints = [false, true].map((guessed) => Array.from({ length: 140 }, (_, side) => paint(index, side / 127, guessed)));
       for (let i = 0; i < points.length; i += 3) {
-        const p = [points[i], points[i + 1], points[i + 2]], n = [normals[i] / 127, normals[i + 1] / 127, normals[i + 2] / 127];
-        const d = sub(pose ? placed(pose, p) : p, eye), far = dot(d, forward), s = focal / far, half = Math.max(0.8, s * spacing);
-        if (far < this.distance * 0.02) continue;
-        const u = width / 2 + s * dot(d, right), v = height / 2 + s * dot(d, down);
-        put(u - half, u + half, v - half, v + half, paint(index, pose ? turned(pose, n) : n, i >= 3 * seen), far);
+        const far = along(f, i), s = focal / far, half = Math.max(0.8, s * spacing);
+        const u = width / 2 + s * along(r, i), v = height / 2 + s * along(d, i);
+        const side = Math.abs(l[0] * normals[i] + l[1] * normals[i + 1] + l[2] * normals[i + 2]) | 0;
+        if (far > this.distance * 0.02) put(u - half, u + half, v - half, v + half, tints[i < 3 * seen ? 0 : 1][side], far);
       }
     });
     if (this.show.arm) for (const { corners, normals, pose, number } of this.arm || []) {
@@ -178,7 +183,7 @@ class Viewer {
         const area = a && b && c && (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         if (!area) continue;
         put(Math.min(a[0], b[0], c[0]), Math.max(a[0], b[0], c[0]), Math.min(a[1], b[1], c[1]), Math.max(a[1], b[1], c[1]),
-          paint(number, unit(turned(pose, normals.subarray(i, i + 3))), false), (u, v) => {
+          paint(number, dot(unit(turned(pose, normals.subarray(i, i + 3))), lamp), false), (u, v) => {
             const e = ((b[0] - u) * (c[1] - v) - (b[1] - v) * (c[0] - u)) / area, f = ((c[0] - u) * (a[1] - v) - (c[1] - v) * (a[0] - u)) / area;
             return e < 0 || f < 0 || e + f > 1 ? Infinity : 1 / (e / a[2] + f / b[2] + (1 - e - f) / c[2]);
           });

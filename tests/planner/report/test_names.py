@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from topple.planner.decide.names import colour_word, spoken, spoken_names
+from topple.planner.planning.plan import plan
 from topple.planner.report.show import show_page
 
 
@@ -32,6 +33,18 @@ def test_a_number_gets_colour_and_kind_and_stays_beside_them(photographed):
     assert names["1"] in str(order) and names["2"] in str(order)
     assert order.to_json()["order"] == sorted(order.order, key=order.order.index)
     assert not {*order.order} & {*names.values()}  # JSON keeps what the mask says
+
+
+def test_scene_relations_and_plan_are_printed_with_names_and_written_with_numbers(photographed):
+    scene, relations, _ = photographed
+    one, two, support = (spoken_names(scene)[name] for name in "129")
+    assert str(scene).startswith(f"2 objects: {one}, {two}\nfixed: {support}\n")
+    assert f"\n{one}  touch  {support}  " in str(relations.with_relation("1", "9", "touch"))
+    made = plan(scene, "free 1", "panda-suction", check=False)
+    heading, _, step = str(made).splitlines()
+    assert heading.startswith(f"free {one}, 1 step, ") and step.startswith(f"1  free  {one}  nothing ")
+    again = type(made).from_json(made.to_json())
+    assert again == made and again.order == ["1"] and one not in str(again)
 
 
 def test_sentences_name_objects_and_leave_counts_and_measures(photographed):

@@ -1,7 +1,6 @@
 """A small policy learns what to take next of a pile, then plays fresh piles beside the highest first.
 
-    python examples/learn.py [learned.json 64 200]  # learn on 8 [64] piles, play 1 [200] others [20 minutes]
-
+    python examples/11_learn.py [learned.json 64 200]  # learn on 8 [64] piles, play 1 [200] more [20 minutes]
 REINFORCE in numpy, on five numbers an object out of the arrays of the observation. Needs the extra `gym`.
 """
 
@@ -11,9 +10,9 @@ from pathlib import Path
 
 import gymnasium
 import numpy as np
+from PIL import Image
 
 BATCH, RATE, FRESH = 8, 1.5, 700_000  # scenes; step of the weights; not learned on from here on
-HIGHEST = np.array([1000.0, 0.0, 0.0, 0.0, 0.0])  # weights of the policy that takes whatever is highest
 
 
 def features(seen):
@@ -41,7 +40,7 @@ def play(env, weights, scene, rng=None):
 
 
 episodes, fresh = map(int, sys.argv[2:] or (8, 1))
-env = gymnasium.make("topple.planner.environment:topple/Pile-v0")
+env = gymnasium.make("topple.planner.environment:topple/Pile-v0", render_mode="rgb_array")
 rng, weights, returns = np.random.default_rng(0), np.zeros(5), list[float]()
 for first in range(0, episodes, BATCH):
     gained, slopes = list(zip(*(play(env, weights, first + k, rng) for k in range(BATCH)), strict=True))[:2]
@@ -50,10 +49,11 @@ for first in range(0, episodes, BATCH):
     returns += gained
     print(f"{first + BATCH} scenes: return {np.mean(gained):.2f}, weights {weights.round(2)}", flush=True)
 document = {"weights": weights.tolist(), "returns": returns}
-for name, policy in (("learned", weights), ("highest", HIGHEST)):
+for name, policy in (("learned", weights), ("highest", np.array([1000.0, 0, 0, 0, 0]))):
     rows = [play(env, policy, FRESH + k) for k in range(fresh)]
     document[name] = [[total, takes, disturbed, reached] for total, _, takes, disturbed, reached in rows]
     clean = sum(reached and not disturbed for *_, disturbed, reached in rows)
     mean = np.mean([row[0] for row in rows])
     print(f"{name}: return {mean:.2f}, nothing disturbed in {clean} of {fresh}")
+Image.fromarray(env.render()).save("learned.png")  # the last pile, after the highest first
 Path(*sys.argv[1:2] or ["learned.json"]).write_text(json.dumps(document), encoding="utf-8")

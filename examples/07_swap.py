@@ -1,6 +1,6 @@
 """Two things change places: what three cameras see of the table as it is and as it shall be, and the plan.
 
-    python examples/swap.py [START.npz GOAL.npz]
+    python examples/07_swap.py [START.npz GOAL.npz]
 
 With two paths both scenes are written there, for `topple plan START.npz --to GOAL.npz`; nothing is planned.
 """

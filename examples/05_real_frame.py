@@ -1,7 +1,7 @@
 """From an RGB-D frame to an arm in simulation: bodies from the clouds, an order, a run, a report.
 
-    python examples/real_frame.py                          # a frame of a simulated camera
-    python examples/real_frame.py FRAME.npz TABLE [TARGET]
+    python examples/05_real_frame.py                          # a frame of a simulated camera
+    python examples/05_real_frame.py FRAME.npz TABLE [TARGET]
 
 FRAME holds depth (H, W) in metres, K (3, 3) and a mask `label` (H, W); TABLE is the table's label. Without a
 TARGET the object is freed that most others have to go before.

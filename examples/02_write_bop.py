@@ -1,6 +1,6 @@
 """What the cameras of the built-in dishes scene see, as a scene of a BOP dataset with its models.
 
-python examples/write_bop.py bop && topple order bop/test/000001 --image 0  # the table is background there
+python examples/02_write_bop.py bop && topple order bop/test/000001 --image 0  # the table is background there
 """
 
 import json

@@ -1,6 +1,6 @@
 """What three depth cameras see of the built-in dishes scene, as a scene file.
 
-    python examples/look.py scene.npz
+    python examples/01_look.py scene.npz
 
 One cloud (N, 3) in [m] per object under the object's name; beside them what topple cannot see: which way is
 up, what never moves, where the cameras were and where the robot stands. A camera driver and a segmentation of

@@ -1,8 +1,8 @@
 """Relations of a tracked scene at video rate: of each frame only what changed is related again.
 
-    python examples/track.py                  # a spoon goes into a bowl and out again
-    python examples/track.py recording/       # a folder with a scene file per frame, in the order of names
-    python examples/track.py recording.npz    # all frames of each object in one array, see `load_sequence`
+    python examples/10_track.py                  # a spoon goes into a bowl and out again
+    python examples/10_track.py recording/       # a folder with a scene file per frame, in the order of names
+    python examples/10_track.py recording.npz    # all frames of each object in one array, see `load_sequence`
 
 Prints how many frames it takes in a second, and from which to which frame each relation held.
 """

@@ -44,13 +44,13 @@ class RosArm:
         self.ros.spin_until_future_complete(self.node, self.goal.cancel_goal_async())
 
     def wait(self, seconds: float) -> None:  # noqa: D102
-        now = self.node.get_clock().now
-        end = now().nanoseconds + 1e9 * seconds
+        end = (now := self.node.get_clock().now)().nanoseconds + 1e9 * seconds
         while (left := end - now().nanoseconds) > 0:
             self.ros.spin_once(self.node, timeout_sec=left / 1e9)
 
 
 if __name__ == "__main__":
+    import_module("topple.planner.cli.main").main(["robot", "panda", "-o", "ros_driver.png"])
     try:
         (ros := import_module("rclpy")).init()
         (there := RosArm(ros.create_node("topple"), robot("panda"))).wait(1.0)

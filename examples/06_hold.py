@@ -1,6 +1,6 @@
 """Two cards that hold each other: what a second hand has to hold, and what happens if nobody does.
 
-python examples/hold.py [cards.npz], which it writes
+python examples/06_hold.py [cards.npz], which it writes
 """
 
 import sys
