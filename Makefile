@@ -2,7 +2,6 @@
 # `make test` leaves out the tests marked slow, `make test-all` runs every one.
 PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3.12 || command -v python3.13 || command -v python3)
 BIN := .venv/bin
-QUICKLY := --quiet --no-compile# of what is never imported, most, no bytecode is made; of the rest as it is imported
 KERNELS := $(wildcard topology/kernels/*.?pp) topology/kernels/build.py
 # One process a core, each with one thread: more threads in each would take the cores from the other. The tests of
 # a file stay in one process, which makes their fixtures once.
@@ -66,18 +65,18 @@ python:
 
 .venv/bin/python: | python
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install $(QUICKLY) --upgrade pip # an old one reads the indexes of the extra `dev` for a minute
+	-$(BIN)/python -m pip install --quiet --upgrade pip # an old one reads the indexes of the extra `dev` for a minute
 
 .venv/run.stamp: .venv/bin/python pyproject.toml hatch_build.py $(KERNELS)
-	$(BIN)/pip install $(QUICKLY) --editable .
+	$(BIN)/pip install --quiet --editable .
 	@touch $@
 
 .venv/dev.stamp: .venv/bin/python pyproject.toml hatch_build.py $(KERNELS)
-	$(BIN)/pip install $(QUICKLY) --editable '.[dev]'
+	$(BIN)/pip install --quiet --editable '.[dev]'
 	@touch $@ .venv/run.stamp
 
 .venv/docs.stamp: .venv/dev.stamp
-	$(BIN)/pip install $(QUICKLY) --editable '.[docs]'
+	$(BIN)/pip install --quiet --editable '.[docs]'
 	@touch $@
 
 clean:
