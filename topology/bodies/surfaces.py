@@ -119,7 +119,8 @@ def surfaces_of(scene: Scene) -> Surfaces:
 
     An equal scene has its own, since how bodies are completed hangs on what a scene came of.
     """
-    return vars(scene).get(_KEPT) or _kept(scene, Surfaces(scene))
+    known: Surfaces | None = vars(scene).get(_KEPT)  # in a copy those of another scene
+    return _kept(scene, Surfaces(scene)) if known is None or known.scene is not scene else known
 
 
 def _kept(scene: Scene, surfaces: Surfaces) -> Surfaces:
