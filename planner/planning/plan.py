@@ -136,7 +136,7 @@ def plan(
         return planning.plan(given is None, assumed)
 
     theirs = () if orderer is ordered and relations is None else SEEN_ORDER.names
-    return _held(attempt, planning, scene, theirs) if check and BULLET in INSTALLED else attempt()
+    return _held(attempt, planning, scene, theirs) if check and BULLET in INSTALLED else _in_order(attempt())
 
 
 @checked_arguments
@@ -179,6 +179,29 @@ def _plan_of(
         return plan(source, goal, robot, **options)
     except NoSafePlan as error:
         return error
+
+
+def _in_order(found: Plan) -> Plan:
+    """A plan that keeps its own dependencies: what hold each other break one, whichever goes first.
+
+    Raises:
+        NoSafePlan: It breaks one.
+    """
+    taken = [
+        (name, index)
+        for index, step in enumerate(found.steps)
+        for name in (step.object, *(held.object for held in step.attachments))
+    ]
+    first, last = dict(reversed(taken)), dict(taken)
+    broken = [
+        f"{edge.then} would go before {edge.first}: hold the one while the other goes, with a second hand or "
+        f"a fixture, clamped=[{edge.then!r}]"
+        for edge in found.dependencies
+        if edge.then in last and first.get(edge.first, len(found.steps)) > last[edge.then]
+    ]
+    if broken:
+        raise NoSafePlan(f"the plan that was found {REFUTED}: {broken[0]}", tuple(broken))
+    return found
 
 
 def _held(attempt: Callable[[], Plan], planning: PlanBuilder, scene: Scene, own: Collection[str]) -> Plan:

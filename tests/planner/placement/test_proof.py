@@ -49,7 +49,8 @@ def with_peg() -> Scene:
 
 @pytest.fixture(scope="module")
 def dropped() -> Plan:
-    return plan(with_peg(), ["peg"], "panda", base=BASE, allow_drop=True)
+    best = grasp_candidates("peg", with_peg(), robot("panda"))[:1]
+    return plan(with_peg(), ["peg"], "panda", base=BASE, grasps=best, allow_drop=True)
 
 
 def raised(x: float, z: float) -> np.ndarray:

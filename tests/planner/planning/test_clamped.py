@@ -57,7 +57,7 @@ def test_a_step_carries_no_risk_of_what_is_clamped() -> None:
 
 
 def test_a_plan_with_a_fixture_needs_no_second_hand(clamped: Plan) -> None:
-    with pytest.raises(NoSafePlan):
+    with pytest.raises(NoSafePlan, match="hold the one while the other goes"):
         plan(balance(), "free plank", "panda")
     assert clamped.order == ["weight", "plank"]
     assert clamped.clamped == ["plank"]

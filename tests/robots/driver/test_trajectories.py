@@ -219,7 +219,7 @@ def test_the_example_sends_trajectories_to_a_controller_of_ros(
     messages = [f"{kind}_msgs.msg" for kind in ("sensor", "geometry", "trajectory")]
     for name in ("rclpy", "rclpy.action", "control_msgs.action", *messages):
         monkeypatch.setitem(sys.modules, name, ros)
-    example = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "ros_driver.py"))
+    example = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "12_ros_driver.py"))
     controller = example["RosArm"](ros, arm.arm)
     controller.wait(0.1)
     driver = TrajectoryDriver(arm.arm, arm.pose_base_to_world, controller)

@@ -19,7 +19,7 @@ from topple.topology.base.errors import InvalidInput
 from topple.topology.io import load_scene, load_sequence
 from topple.topology.views.image import DepthImage
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "write_bag.py"
+EXAMPLE = Path(__file__).parents[3] / "examples" / "03_write_bag.py"
 UP, PIXELS, FOCAL = (0.0, 0.0, 1.0), (160, 120), 190.0
 BASE = np.array([[0.0, -1, 0, -0.5], [1, 0, 0, 0.1], [0, 0, 1, 0], [0, 0, 0, 1]])
 EYE = np.array([[0.0, -1, 0, 0.1], [-1, 0, 0, 0.2], [0, 0, -1, 0.8], [0, 0, 0, 1]])

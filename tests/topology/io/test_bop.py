@@ -19,7 +19,7 @@ from topple.topology.io import load_scene
 from topple.topology.relations.relate import relate
 from topple.topology.views.image import DepthImage
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "write_bop.py"
+EXAMPLE = Path(__file__).parents[3] / "examples" / "02_write_bop.py"
 PLATE, CAN, BLOCK = "obj_000001", "obj_000002", "obj_000003"
 
 
