@@ -74,7 +74,6 @@ def test_a_textbook_scene_is_told_as_it_is_drawn(name: str, size: float) -> None
 
 def test_pictures_are_enlarged_with_what_they_show() -> None:
     scene = _pictured(next(scene for scene in pool() if scene.set == "settled"))
-    (image,) = scene.images
     small = Situation(enlarged(scene, 0.1))
     assert small.sized.unit == pytest.approx(0.1, rel=0.6)
     assert Situation(scene).sized.unit == 1.0
@@ -84,8 +83,8 @@ def test_pictures_are_enlarged_with_what_they_show() -> None:
     behind = places + 0.05 * (places - scene.viewpoints[0])
     seen_behind = [Situation(scene).shown(behind, 0.005), large.shown(behind * 0.1 / large.unit, 0.005)]
     assert (seen_behind[0] == seen_behind[1]).mean() > 0.95
-    past = image.depth_past(behind, around=True)  # what was asked is not kept in the larger picture
-    assert np.allclose(image.enlarged(3.0).depth_past(behind * 3.0, around=True), past * 3.0)
+    past = scene.images[0].depth_past(behind, around=True)  # what was asked is not kept in the larger picture
+    assert np.allclose(scene.images[0].enlarged(3.0).depth_past(behind * 3.0, around=True), past * 3.0)
 
 
 def test_a_scene_asked_again_gives_the_same_relations() -> None:
