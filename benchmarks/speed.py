@@ -238,7 +238,7 @@ def _frames(trees: Trees, data: Path | None, repeats: int, seed: int, progress: 
         ours, theirs = trees.measure(task, settings, repeats)
         means = float(np.mean(ours[1:])), None if theirs is None else float(np.mean(theirs[1:]))
         found.append(trees.row(f"{what}, {words}", *means))
-        fixed = float(np.mean(trees.ours(peer, settings)[1:]))
+        fixed = float(np.mean(trees.ours(peer, settings)[-len(paths) + 1 :]))
         most = None if bar is None else f"<= {bar:g}x"
         found.append(longer(f"{what}, {words}", means[0], PEERS[peer], fixed, most))
     return found
