@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -118,13 +118,24 @@ class State:
         """
         if self.up is None or name == container:
             return False
-        around = self.corners(container)
-        heights, lowest = around @ self.up, float((self.corners(name) @ self.up).min())
+        around, level = self._around(container), self._level
+        plan, middle = around @ level, self.middles[name] @ level
+        if (middle < plan.min(axis=0)).any() or (middle > plan.max(axis=0)).any():  # beside the box: most are
+            return False
+        heights, lowest = around @ self.up, float((self._around(name) @ self.up).min())
         if not heights.min() < lowest < heights.max() - self.rim:
             return False
-        level = np.stack(level_axes(self.up), axis=1)
-        sides = sides_of(around @ level)
-        return sides is not None and bool(beyond(sides, self.middles[name] @ level) <= 0)
+        sides = sides_of(plan)
+        return sides is not None and bool(beyond(sides, middle) <= 0)
+
+    @cached_property
+    def _around(self) -> Callable[[str], FloatArray]:
+        return cache(self.corners)
+
+    @cached_property
+    def _level(self) -> FloatArray:
+        """(3, 2) level axes, the columns; none without up."""
+        return np.zeros((3, 0)) if self.up is None else np.stack(level_axes(self.up), axis=1)
 
     def within(self, name: str, container: str) -> bool:
         """Whether a body is in the hollow of another, and meets that or what else is in it."""

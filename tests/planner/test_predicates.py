@@ -202,7 +202,7 @@ def test_scenes_say_what_statics_says_and_not_what_no_camera_saw() -> None:
 
 
 def test_twenty_bodies_are_answered_within_five_milliseconds(client: int) -> None:
-    """Of both simulators; the quickest of nine calls, of processor time: others share the machine."""
+    """Of both simulators; the median of calls, of processor time."""
     import pybullet
 
     bullet_box(client, (1, 1, 0.1), (0, 0, -0.1), 0.0)
@@ -222,6 +222,6 @@ def test_twenty_bodies_are_answered_within_five_milliseconds(client: int) -> Non
                 answer = predicate(*world)
                 took.append(time.process_time() - start)
             assert answer is not None
-            assert min(took) < 0.005, predicate
+            assert np.median(took) < 0.005, predicate
     state = State.of(client)
     assert On("body_2", "body_1")(state) is True
