@@ -4,6 +4,7 @@ Episodes are those of `topple bench run`, kept in the same journal: what was pla
 With `--counts FILE` the count is written as `topple demo` tells it, with the seed that it plays by default.
 """
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -55,17 +56,16 @@ def rows(
     """
     place = None if counts is None else check_writable(str(counts))
     seeds = range(seed, seed + (1 if quick else SEEDS))
-    episodes = {name: [Episode(name, one, CAMERAS) for one in seeds] for name in SCENARIOS}
-    wanted = list(in_turn(list(episodes.values())))
-    known = collected(wanted, progress, journal, minutes, executor)
-    found = {name: count_of([known[e] for e in some if e in known]) for name, some in episodes.items()}
+    wanted = list(in_turn([[Episode(name, one, CAMERAS) for one in seeds] for name in SCENARIOS]))
+
+    def ended(some: Sequence[Episode]) -> list[Ending]:
+        known = collected(some, progress, journal, minutes, executor)
+        return [known[episode] for episode in some if episode in known]
+
+    played = ended(wanted)
+    found = {name: count_of([e for e in played if e.episode.scenario == name]) for name in SCENARIOS}
     counted = {name: count for name, count in found.items() if count is not None}
     if place is not None:
-
-        def ended(some: Sequence[Episode]) -> list[Ending]:
-            known = collected(some, progress, journal, minutes, executor)
-            return [known[episode] for episode in some if episode in known]
-
         counted = {
             name: replace(each, default=default_of(name, each, ended)) for name, each in counted.items()
         }
@@ -75,8 +75,9 @@ def rows(
             "commit": commit_now(),
         }
         write_whole(place, text(document(counted, made)))
-    missing = sum(episode not in known for episode in wanted)
-    rows = [Row("episodes left to play", missing, f"of {len(wanted)}")]
+    rows = [Row("episodes left to play", len(wanted) - len(played), f"of {len(wanted)}")]
+    failed = Counter(ending.ending for ending in played if not ending.success)
+    rows += [Row(f"failed: {why}", count, f"of {failed.total()}") for why, count in failed.most_common()]
     for name, count in counted.items():
         part, whole = len(count.reached), len(count.played)
         what = f"goal reached, nothing disturbed: demo {name}, {whole} of {len(seeds)} seeds"

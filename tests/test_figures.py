@@ -1,6 +1,6 @@
 """Figures in pages: each stands in the rows of a bench or the file of numbers that its line names.
 
-A mark is `<!--FILE: ROW; ROW-->`: a page of `benchmarks/` or a path, and words of rows, or a key of its JSON.
+A mark is `<!--FILE: ROW; ROW-->`: a page of `benchmarks/` or a path, and words of rows, or keys of its JSON.
 """
 
 import json
@@ -46,18 +46,26 @@ def of_rows(rows: list[str]) -> Iterator[float]:
         yield from (*found, *(a * b / 100 for a in found for b in found))
 
 
-def of_episodes(told: list[list[float]]) -> Iterator[float]:
-    """Numbers of episodes of (return, steps, disturbed, reached): means, sums, and how many were clean."""
-    columns = np.asarray(told, dtype=np.float64)
-    clean = (columns[:, 2] == 0) & (columns[:, 3] == 1)
-    yield from (len(told), clean.sum(), *columns.mean(axis=0), *columns.sum(axis=0))
+def of_episodes(*policies: list[list[float]]) -> Iterator[float]:
+    """Numbers of episodes of (return, steps, disturbed, reached): means, sums, and how many were clean.
+
+    Of two policies also how many one alone cleared, and the difference of returns with its interval.
+    """
+    told = np.asarray(policies, dtype=np.float64)
+    clean = (told[..., 2] == 0) & (told[..., 3] == 1)
+    yield from (told.shape[1], *clean.sum(axis=1), *told.mean(axis=1).ravel(), *told.sum(axis=1).ravel())
+    if len(told) == 2:
+        more = told[0, :, 0] - told[1, :, 0]
+        drawn = more[np.random.default_rng(0).integers(0, len(more), (10_000, len(more)))].mean(axis=1)
+        yield from (*(clean & ~clean[::-1]).sum(axis=1), more.mean(), *np.quantile(drawn, (0.025, 0.975)))
 
 
 def known(mark: re.Match[str]) -> list[float]:
     place = ROOT / mark[1] if "/" in mark[1] else ROOT / "benchmarks" / mark[1]
     text = place.read_text(encoding="utf-8")
     if place.suffix == ".json":
-        return list(of_episodes(json.loads(text)[mark[2]]))
+        told = [json.loads(text)[key] for key in mark[2].split("; ")]
+        return list(np.abs(told[0])) if np.ndim(told[0]) == 1 else list(of_episodes(*told))
     chosen = [
         [row for row in text.splitlines() if row.startswith("|") and part in row]
         for part in mark[2].split("; ")

@@ -34,7 +34,7 @@ def held(page: str) -> str:
     for name, good, tried, low, high in HELD.findall(page):
         share = 100 * int(good.replace(",", "")) / int(tried.replace(",", ""))
         told.append((re.sub(r"\[(.*?)\]\(.*?\)", r"\1", name), SEEN["whole"], share, float(low), float(high)))
-    return _chart(told, {}, "held [%]")
+    return _chart(told, {}, "share [%]")
 
 
 def _chart(

@@ -18,14 +18,8 @@ api = pytest.importorskip("playwright.sync_api", reason="playwright is not insta
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here: apt-get install chromium")
 
-FLAGS = [
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-]
-FLAGS += ["--disable-component-update", "--disable-sync"]
+FLAGS = "--no-sandbox --use-angle=swiftshader --disable-quic --no-first-run".split()
+FLAGS += "--disable-background-networking --disable-component-update --disable-sync".split()
 PLAIN = ["--disable-gpu", "--disable-software-rasterizer"]  # no WebGL
 
 
