@@ -187,8 +187,8 @@ def kind_of(points: FloatArray, sight: FreeSpace | None, floor: float = -np.inf)
     tall, *wide = (seen.upright_box.upper - seen.upright_box.lower).tolist()
     upright = tall > UPRIGHT * max(wide)
     if is_hollow(points, sight):
-        if tall < PLATE * max(wide):
-            return "plate"
+        if tall < PLATE * max(wide):  # tilted, it may as well be the lid of a tin
+            return "plate" if seen.box is seen.upright_box else "object"
         open_above = seen.hull is not None and _mouth_share(seen, seen.hull, sight) > BOWL
         return "cup" if upright else "bowl" if open_above else "object"
     fit = _round_of(seen, seen.box, sight, floor)

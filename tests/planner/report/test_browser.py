@@ -46,10 +46,7 @@ def open_page(browser, tmp_path):
         file = tmp_path / "page.html"
         file.write_text(html, encoding="utf-8")
         page = context.new_page()
-        page.on(
-            "console",
-            lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None,
-        )
+        page.on("console", lambda m: wrong.append(m.text) if m.type in ("error", "warning") else None)
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("request", lambda request: fetched.append(request.url))
         page.goto(file.as_uri())
@@ -64,12 +61,14 @@ def open_page(browser, tmp_path):
 
 HEAVIEST = 1_500_000  # bytes of a page
 GRAVE = ("serious", "critical")
+UNFOLD = "() => document.querySelectorAll('details').forEach((e) => { e.open = true; })"
 SMALLEST = """() => Math.min(...[...document.querySelectorAll("body *")]
   .filter((e) => e.checkVisibility())
   .filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim()))
   .map((e) => parseFloat(getComputedStyle(e).fontSize)))"""
 
 
+READY = "() => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd"
 PAINTED = """(canvas) => {
   const paper = new OffscreenCanvas(canvas.width, canvas.height);
   const copy = paper.getContext("2d", { willReadFrequently: true });
@@ -208,15 +207,13 @@ def test_pages_are_readable_at_every_width_and_in_the_dark(
 def check_readable(page, width, colours):
     page.set_viewport_size({"width": width, "height": 900})
     page.emulate_media(color_scheme=colours)
-    for details in page.locator("details").all():
-        details.evaluate("(e) => { e.open = true; }")
+    page.evaluate(UNFOLD)
     settle(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     assert page.evaluate(SMALLEST) >= 12
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed")
     found = axe.Axe().run(page).response["violations"]
-    worst = [(rule["id"], rule["nodes"][0]["html"]) for rule in found if rule["impact"] in GRAVE]
-    assert worst == []
+    assert [(rule["id"], rule["nodes"][0]["html"]) for rule in found if rule["impact"] in GRAVE] == []
 
 
 @pytest.mark.slow
@@ -248,9 +245,7 @@ def test_seventeen_objects_are_there_in_half_a_second_and_without_webgl_too(play
         taken = []
         for _ in range(3):
             page.goto(file.as_uri())
-            taken.append(
-                page.evaluate("() => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd")
-            )
+            taken.append(page.evaluate(READY))
         settle(page)
         assert page.evaluate("() => Boolean(Light.get())") is light
         assert page.locator("canvas").evaluate(PAINTED) > 0.05
@@ -273,7 +268,7 @@ def test_the_evidence_column_is_in_sight(open_page, photographed):
     for width in (1300, 400):
         page = open_page(show_page(*photographed))
         page.set_viewport_size({"width": width, "height": 900})
-        page.locator("details").evaluate_all("(all) => all.forEach((e) => { e.open = true; })")
+        page.evaluate(UNFOLD)
         settle(page)
         edge = page.locator("td.evidence").first.bounding_box()
         assert edge["x"] + edge["width"] <= width
