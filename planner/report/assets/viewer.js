@@ -60,7 +60,7 @@ class Viewer {
     this.yaw = 0;
     this.pitch = Math.asin(dot(unit(look), this.up));
     this.distance = 0; // until the size of the canvas is known
-    this.stir(); // a coarse picture first
+    this.stir(); // a coarse picture first, before WebGL is set up
     this.redraw();
   }
 
@@ -133,8 +133,8 @@ class Viewer {
     this.place();
     const context = this.canvas.getContext("2d");
     context.clearRect(0, 0, width, height);
-    const light = this.colours.length < MOST && Light.get();
-    if (!light || (this.busy && light.slow)) this.drawPlainly(context, width, height);
+    const coarse = this.busy && Light.one?.slow !== false, light = !coarse && this.colours.length < MOST && Light.get();
+    if (!light) this.drawPlainly(context, width, height);
     else {
       const begun = performance.now();
       context.drawImage(light.render(this, width, height), 0, 0);

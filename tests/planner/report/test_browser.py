@@ -106,10 +106,9 @@ def pixels(page):
 
 def test_the_view_turns_zooms_moves_and_comes_back(open_page, stack):
     page = open_page(show_page(*stack))
-    before = pixels(page)
     box = page.locator("canvas").bounding_box()
     x, y = box["x"] + 60, box["y"] + 60
-    seen = [before]
+    seen = [pixels(page)]
     for act in ("drag", "shift", "wheel", "key"):
         page.mouse.move(x, y)
         if act == "wheel":
@@ -129,7 +128,7 @@ def test_the_view_turns_zooms_moves_and_comes_back(open_page, stack):
     page.click("[data-reset]")
     page.mouse.move(1, 1)
     page.evaluate("() => window.panels[0].light([])")
-    assert pixels(page) == before
+    assert pixels(page) == seen[0]
 
 
 def test_every_switch_changes_the_picture(open_page, stack):
