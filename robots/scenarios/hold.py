@@ -1,4 +1,4 @@
-"""Things that stand only together, for two arms: packets, a plank on a trestle, a can in a leaning bowl."""
+"""Objects that stand only together, for two arms: packets, a plank on a trestle, a can in a leaning bowl."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Things strewn over a table that shall lie packed in a tray: flat ones first, others on top of them."""
+"""Objects strewn over a table, to be packed in a tray: flat ones first, others on top of them."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

@@ -1,4 +1,4 @@
-"""Random settled piles of household things: leaning, nested and stacked; free the one most lies on."""
+"""Random settled piles of household objects, leaning, nested and stacked: free the one that carries most."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Blocks in two towers that shall stand as two other towers: which goes where, and what has to wait aside."""
+"""Blocks in two towers, to be rebuilt as two other towers: which goes where, and what has to wait aside."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

@@ -1,4 +1,4 @@
-"""Two things that stand in each other's places, and a third beside them: let the two change places."""
+"""Two objects that stand in each other's places, and a third beside them: exchange the two."""
 
 from collections.abc import Sequence
 
