@@ -68,7 +68,7 @@ def _list(as_json: bool) -> int:
     if as_json:
         print_json({"format": "topple.scenes", "format_version": 1, "scenes": found})
     else:
-        print_table(("scene", "what is to be done"), list(found.items()))
+        print_table(("scene", "task"), list(found.items()))
     return DONE
 
 

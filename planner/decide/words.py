@@ -147,9 +147,9 @@ def _look(view: Document | None) -> str:
     if view is None:
         return "Next view: none would show anything more that the order depends on."
     eye, target = ("(" + ", ".join(f"{value:.2f}" for value in view[key]) + ")" for key in ("eye", "target"))
-    told = listed([f"{one['a']} and {one['b']}" for one in view["shows"][:3]])
-    share = f"{100 * view['worth']:.0f} % of what is hidden and matters"
-    return f"Next view: {view['from']}, {eye} towards {target} m, shows {share}: where {told} may meet."
+    told = listed([f"{one['a']} meets {one['b']}" for one in view["shows"][:3]])
+    share = f"{100 * view['worth']:.0f} % of the hidden places that matter"
+    return f"Next view: {view['from']}, {eye} towards {target} m, shows {share}: whether {told}."
 
 
 def side_of(way: FloatArray, right: FloatArray, up: FloatArray) -> str:

@@ -1,6 +1,7 @@
 """The page of a closed-loop run: a timeline, and for each step what was seen, done and disturbed."""
 
 import math
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -11,13 +12,15 @@ from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.html import bullets, folded, glance, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.photo import around, cut, jpeg_url, masks, photo_figure, said_of_masks
+from topple.planner.report.photo import Box, around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section, with_look
 from topple.planner.report.tables import order_list, relation_changes, relation_table
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.views.image import Photo
+
+Look = tuple[bytes | None, str]  # a picture as a file, and when it was taken
 
 
 @checked_arguments
@@ -46,7 +49,7 @@ class _RunPage:
 
     def __init__(self, record: RunRecord, points: int, photos: bool) -> None:
         self.record, self.photos = record, photos
-        self.pictures: dict[bytes, int] = {}
+        self.pictures: dict[tuple[bytes, Box], int] = {}
         self.views: list[dict[str, Any]] = []
         scenes = sum(step.scene is not None for step in record.steps) + (record.scene is not None)
         self.arm = arm_shape(record.arm)
@@ -59,7 +62,7 @@ class _RunPage:
         record = self.record
         sections = [self.step(number, step) for number, step in enumerate(record.steps, start=1)]
         body = _head(record) + _timeline(record) + f"<main>{''.join(sections)}{self.end()}</main>"
-        pictures = [jpeg_url(cut(pixels_of(data), self.box)) for data in self.pictures]
+        pictures = [jpeg_url(cut(pixels_of(data), box)) for data, box in self.pictures]
         data = {"views": self.views, "pictures": pictures, "arm": self.arm}
         scripts = ["light.js", "viewer.js", "motion.js", "page.js", "run.js"]
         return page(f"topple: {record.goal}", body, data, scripts, compact=compact)
@@ -84,10 +87,8 @@ class _RunPage:
         html += "<h2>Notes</h2>" + bullets(record.notes) if record.notes else ""
         drawing = None if record.scene is None else Drawing.of(record.scene, self.points)
         last = record.steps[-1].picture_after if record.steps else None
-        html += glance(
-            self.compared(last, "", record.wanted, ("at the end", "as wanted")),
-            *self.ordered(drawing, record),
-        )
+        looks = (last, "at the end"), (record.wanted, "as wanted")
+        html += glance(self.compared(around((), ()), looks), *self.ordered(drawing, record))
         html += self.seen(drawing, record, "Seen at the end")
         return f'<section class="step">{html}</section>'
 
@@ -98,23 +99,21 @@ class _RunPage:
             marks = masks(shown, self.box, step.scene, drawing, step.order)
             words = said_of_masks(step.scene, step.order)
             before = before or picture(shown.rgb)
-        return self.compared(before, marks, step.picture_after, ("before", "after"), words)
+        return self.compared(self.box, ((before, "before"), (step.picture_after, "after")), marks, words)
 
-    def compared(
-        self, first: bytes | None, marks: str, then: bytes | None, when: tuple[str, str], words: str = ""
-    ) -> str:
-        """Two pictures of one camera, one over the other, and a slider between them."""
-        shown = [(data, word) for data, word in zip((first, then), when, strict=True) if data and self.photos]
+    def compared(self, box: Box, looks: Sequence[Look], marks: str = "", words: str = "") -> str:
+        """The same part of two pictures of one camera, one over the other, and a slider between them."""
+        shown = [(data, word) for data, word in looks if data and self.photos]
         images = []
         for place, (data, word) in enumerate(shown):
-            number = self.pictures.setdefault(data, len(self.pictures))  # one may serve two steps
+            number = self.pictures.setdefault((data, box), len(self.pictures))  # one may serve two steps
             kind = ' class="over after"' if place else ""
             images.append(f'<img{kind} data-picture="{number}" alt="camera, {word}">')
         if not images:
             return ""
         slider = (
-            f'<label class="cut"><span>{when[0]}</span><input type="range" min="0" max="100" value="0" '
-            f'autocomplete="off" aria-label="how much is {when[1]}"><span>{when[1]}</span></label>'
+            f'<label class="cut"><span>{looks[0][1]}</span><input type="range" min="0" max="100" value="0" '
+            f'autocomplete="off" aria-label="how much is {looks[1][1]}"><span>{looks[1][1]}</span></label>'
         )
         return photo_figure(images[0], marks + "".join(images[1:]), words, slider if len(images) > 1 else "")
 
