@@ -65,13 +65,14 @@ python:
 
 .venv/bin/python: | python
 	$(PYTHON) -m venv .venv
-	-$(BIN)/python -m pip install --quiet --upgrade pip # an old one reads the indexes of the extra `dev` for a minute
 
 .venv/run.stamp: .venv/bin/python pyproject.toml hatch_build.py $(KERNELS)
-	$(BIN)/pip install --quiet --editable .
+	$(BIN)/pip install --quiet --no-compile --editable .
+	$(BIN)/python -m compileall -qq -j 0 -x /tests/ .venv/lib || true # on all cores, which pip does not
 	@touch $@
 
 .venv/dev.stamp: .venv/bin/python pyproject.toml hatch_build.py $(KERNELS)
+	-$(BIN)/python -m pip install --quiet --upgrade pip # an old one reads the indexes of the extra `dev` for a minute
 	$(BIN)/pip install --quiet --editable '.[dev]'
 	@touch $@ .venv/run.stamp
 
