@@ -26,16 +26,9 @@ BARE = "pip install --no-deps franky-sim robosuite mani-skill"
 """Installs the packages whose files are read and whose code is not run."""
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
 HEADINGS = (
-    "arm",
-    "package",
-    "hand",
-    "joints",
-    "reach m",
-    "free of self-collision %",
-    "inverse kinematics %",
-    "plan verified",
-    "grasp in PyBullet",
-)
+    "arm", "package", "hand", "joints", "reach m", "free of self-collision %", "inverse kinematics %",
+    "plan verified", "grasp in PyBullet",
+)  # fmt: skip
 BEGIN, END = "<!-- arms: begin -->", "<!-- arms: end -->"
 
 
@@ -91,109 +84,67 @@ SCHUNK = GripperFile(hand=Hand(urdf="airo_models/grippers/schunk_egk40_magneto/s
 WSG50 = GripperFile(hand=Hand(urdf="wsg50"))
 OUT = [0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0]  # where x, not z, points out of the flange
 FETCH = [
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "upperarm_roll_joint",
-    "elbow_flex_joint",
-    "forearm_roll_joint",
-    "wrist_flex_joint",
-    "wrist_roll_joint",
-]
+    "shoulder_pan_joint", "shoulder_lift_joint", "upperarm_roll_joint", "elbow_flex_joint",
+    "forearm_roll_joint", "wrist_flex_joint", "wrist_roll_joint",
+]  # fmt: skip
 """The arm's joints: that URDF has three more for its base, which would be the first of the chain."""
 
 SHIPPED = (
     Shipped(
-        "Universal Robots UR5",
-        "example-robot-data",
-        f"{ROBOTS}/ur_description/urdf/ur5_robot.urdf",
-        "Robotiq 2F-85",
-        ROBOTIQ,
+        "Universal Robots UR5", "example-robot-data", f"{ROBOTS}/ur_description/urdf/ur5_robot.urdf",
+        "Robotiq 2F-85", ROBOTIQ, hand_package="airo-models",
+    ),
+    Shipped(
+        "Universal Robots UR10", "example-robot-data", f"{ROBOTS}/ur_description/urdf/ur10_robot.urdf",
+        "Schunk EGK 40", SCHUNK, hand_package="airo-models",
+    ),
+    Shipped(
+        "Universal Robots UR5e", "airo-models", "airo_models/arms/ur5e/ur5e.urdf", "Schunk EGK 40", SCHUNK,
         hand_package="airo-models",
     ),
     Shipped(
-        "Universal Robots UR10",
-        "example-robot-data",
-        f"{ROBOTS}/ur_description/urdf/ur10_robot.urdf",
-        "Schunk EGK 40",
-        SCHUNK,
-        hand_package="airo-models",
-    ),
-    Shipped(
-        "Universal Robots UR5e",
-        "airo-models",
-        "airo_models/arms/ur5e/ur5e.urdf",
-        "Schunk EGK 40",
-        SCHUNK,
-        hand_package="airo-models",
-    ),
-    Shipped(
-        "UFACTORY xArm7",
-        "example-robot-data",
-        f"{ROBOTS}/xarm_description/urdf/xarm7.urdf",
-        "Schunk WSG 50",
+        "UFACTORY xArm7", "example-robot-data", f"{ROBOTS}/xarm_description/urdf/xarm7.urdf", "Schunk WSG 50",
         WSG50,
     ),
     Shipped(
-        "Franka Panda",
-        "example-robot-data",
-        f"{ROBOTS}/panda_description/urdf/panda.urdf",
-        "its own",
+        "Franka Panda", "example-robot-data", f"{ROBOTS}/panda_description/urdf/panda.urdf", "its own",
         srdf=f"{ROBOTS}/panda_description/srdf/panda.srdf",
     ),
     Shipped("Franka FR3", "franky-sim", "franky_sim/assets/fr3.urdf", "its own"),
     Shipped(
-        "Rethink Sawyer",
-        "robosuite",
-        "robosuite/models/assets/bullet_data/sawyer_description/urdf/sawyer_arm.urdf",
-        "Schunk WSG 50",
-        WSG50,
+        "Rethink Sawyer", "robosuite",
+        "robosuite/models/assets/bullet_data/sawyer_description/urdf/sawyer_arm.urdf", "Schunk WSG 50", WSG50,
     ),
     Shipped(
-        "Fetch",
-        "mani-skill",
-        "mani_skill/assets/robots/fetch/fetch.urdf",
-        "its own",
+        "Fetch", "mani-skill", "mani_skill/assets/robots/fetch/fetch.urdf", "its own",
         GripperFile(arm=ArmPart(joints=FETCH, rest={"torso_lift_joint": 0.2})),
     ),
     Shipped(
-        "Kinova Jaco 2, 6 joints",
-        "example-robot-data",
-        f"{ROBOTS}/kinova_description/robots/kinova.urdf",
+        "Kinova Jaco 2, 6 joints", "example-robot-data", f"{ROBOTS}/kinova_description/robots/kinova.urdf",
         "suction cup",
         GripperFile(cup=Cup(link="j2s6s200_end_effector", offset=[0.0, 0.0, 0.05], radius=0.015)),
         srdf=f"{ROBOTS}/kinova_description/srdf/kinova.srdf",
     ),
     Shipped(
-        "Rethink Baxter, left arm",
-        "example-robot-data",
-        f"{ROBOTS}/baxter_description/urdf/baxter.urdf",
-        "its own",
-        GripperFile(arm=ArmPart(tip="left_gripper_base_link")),
+        "Rethink Baxter, left arm", "example-robot-data", f"{ROBOTS}/baxter_description/urdf/baxter.urdf",
+        "its own", GripperFile(arm=ArmPart(tip="left_gripper_base_link")),
         srdf=f"{ROBOTS}/baxter_description/srdf/baxter_manipulation.srdf",
     ),
     Shipped(
-        "PAL TIAGo",
-        "example-robot-data",
-        f"{ROBOTS}/tiago_description/robots/tiago_no_hand.urdf",
-        "Schunk WSG 50",
-        GripperFile(hand=Hand(urdf="wsg50", offset=OUT)),
+        "PAL TIAGo", "example-robot-data", f"{ROBOTS}/tiago_description/robots/tiago_no_hand.urdf",
+        "Schunk WSG 50", GripperFile(hand=Hand(urdf="wsg50", offset=OUT)),
     ),
     Shipped(
-        "PAL TIAGo Pro, left arm",
-        "example-robot-data",
-        f"{ROBOTS}/tiago_pro_description/robots/tiago_pro.urdf",
-        "its own",
+        "PAL TIAGo Pro, left arm", "example-robot-data",
+        f"{ROBOTS}/tiago_pro_description/robots/tiago_pro.urdf", "its own",
         GripperFile(arm=ArmPart(tip="gripper_left_base_link")),
     ),
     Shipped(
-        "Willow Garage PR2, left arm",
-        "example-robot-data",
-        f"{ROBOTS}/pr2_description/urdf/pr2.urdf",
-        "its own",
-        GripperFile(arm=ArmPart(tip="l_gripper_palm_link")),
+        "Willow Garage PR2, left arm", "example-robot-data", f"{ROBOTS}/pr2_description/urdf/pr2.urdf",
+        "its own", GripperFile(arm=ArmPart(tip="l_gripper_palm_link")),
         srdf=f"{ROBOTS}/pr2_description/srdf/pr2.srdf",
     ),
-)
+)  # fmt: skip
 """What is tried; the tests hold every one but those that the table says fail to it."""
 
 
@@ -225,17 +176,11 @@ def row(shipped: Shipped, found: Examined, wrong: str) -> list[str]:
         wrong: What is wrong with its plan; empty where nothing is.
     """
     run = "yes" if found.grasped is not None and found.grasped.success else "**no**"
+    solved = f"{100 * found.solved / max(found.poses, 1):.1f}"
     return [
-        shipped.name,
-        shipped.package,
-        shipped.hand,
-        f"{len(found.arm.joints)}",
-        f"{found.reach:.2f}",
-        f"{100 * found.free:.0f}",
-        f"{100 * found.solved / max(found.poses, 1):.1f}",
-        "yes" if not wrong else "**no**",
-        run,
-    ]
+        shipped.name, shipped.package, shipped.hand, f"{len(found.arm.joints)}", f"{found.reach:.2f}",
+        f"{100 * found.free:.0f}", solved, "**no**" if wrong else "yes", run,
+    ]  # fmt: skip
 
 
 def main(arguments: list[str] | None = None) -> int:

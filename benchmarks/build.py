@@ -33,7 +33,7 @@ from topple.benchmarks.arrangements import KINDS, arrangement
 from topple.benchmarks.guesses import naive, top_height
 from topple.benchmarks.piles import Pile, observe
 from topple.benchmarks.row import Progress, Row
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import share
 from topple.planner.building.build import BuildOrder, build_order
 from topple.planner.decide.hold import Hold
 from topple.planner.planning.order import order
@@ -239,12 +239,7 @@ class Counts:
 
 
 def _row(what: str, ours: Sequence[bool], name: str, theirs: Sequence[bool], bar: str | None = None) -> Row:
-    interval = share_interval(sum(ours), len(ours))
-    return Row(what, _percent(ours), "%", name, _percent(theirs), bar=bar, interval=interval)
-
-
-def _percent(each: Sequence[bool]) -> float:
-    return 100.0 * sum(each) / max(len(each), 1)
+    return share(what, sum(ours), len(ours), bar, against=(name, sum(theirs), len(theirs)))
 
 
 @dataclass(frozen=True)

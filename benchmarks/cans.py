@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from topple.benchmarks.row import Progress, Row
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.row import Progress
+from topple.benchmarks.scores import share
 from topple.planner import order
 from topple.robots import Body, Camera, new_world
 from topple.robots.shapes import box, can
@@ -62,12 +62,9 @@ def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -
                 wrong.append(
                     f"{path.parts[-3]}/{path.parts[-2]} {target}: {sorted(told)}, not {sorted(first)}"
                 )
-    share, interval = 100 * np.mean(right), share_interval(sum(right), len(right))
-    row = Row(
-        "cans before which goes what stands before them, and nothing else", float(share), "%",
-        baseline="by height", baseline_value=float(100 * np.mean(plain)), interval=interval,
-        tried=len(right), held=sum(right), wrong=tuple(wrong[:12]),
-    )  # fmt: skip
+    what = "cans before which goes what stands before them, and nothing else"
+    plainly = "by height", sum(plain), len(plain)
+    row = share(what, sum(right), len(right), against=plainly, counted=True, wrong=wrong[:12])
     return [row.to_json()]
 
 

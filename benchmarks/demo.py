@@ -15,7 +15,7 @@ from typing import Any
 from topple.benchmarks.episodes import Ending, Episode
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.run import JOURNAL, collected, in_turn
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import share
 from topple.benchmarks.versions import commit_now
 from topple.planner.execution.demo_seeds import CAMERAS, SeedCount, document, text
 from topple.robots.scenarios import SCENARIOS
@@ -81,9 +81,7 @@ def rows(
     for name, count in counted.items():
         part, whole = len(count.reached), len(count.played)
         what = f"goal reached, nothing disturbed: demo {name}, {whole} of {len(seeds)} seeds"
-        rows.append(
-            Row(what, 100 * part / whole, "%", interval=share_interval(part, whole), tried=whole, held=part)
-        )
+        rows.append(share(what, part, whole, counted=True))
     return [row.to_json() for row in rows]
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from topple.benchmarks.episodes import Ending, Episode
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.run import JOURNAL, collected, in_turn
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import share
 from topple.robots.engines import BULLET, ENGINES, MUJOCO
 
 SCENES = ("dishes", "tower", "lemon", "pile")
@@ -88,18 +88,10 @@ def compared(scene: str, both: Sequence[Mapping[str, Ending]], of: int) -> list[
         good, clean = (sum(getattr(pair[engine], key) for pair in both) for key in ("success", "clean"))
         for what, held in (("goal reached, nothing disturbed", good), ("nothing disturbed", clean)):
             words = f"{what}: {scene}, {NAMES[engine]}, {len(both)} of {of} seeds"
-            interval = share_interval(held, len(both))
-            found.append(Row(words, 100 * held / len(both), "%", interval=interval))
+            found.append(share(words, held, len(both)))
     other = [pair for pair in both if len({(one.success, one.clean) for one in pair.values()}) > 1]
-    same = len(both) - len(other)
-    found.append(
-        Row(
-            f"same verdict on both: {scene}", 100 * same / len(both), "%",
-            interval=share_interval(same, len(both)), tried=len(both), held=same,
-            wrong=tuple(_told(pair) for pair in other),
-        )
-    )  # fmt: skip
-    return found
+    same, wrong = len(both) - len(other), [_told(pair) for pair in other]
+    return [*found, share(f"same verdict on both: {scene}", same, len(both), counted=True, wrong=wrong)]
 
 
 def _told(pair: Mapping[str, Ending]) -> str:

@@ -47,17 +47,8 @@ MOST = 1e15
 """Below it lies every number of an ending: no seed, time or memory [bytes] comes to that."""
 
 ENDINGS = (
-    "success",
-    "hit",
-    "disturbed",
-    "dropped",
-    "no plan",
-    "budget",
-    "blind",
-    "arm",
-    "goal missed",
-    "crash",
-)
+    "success", "hit", "disturbed", "dropped", "no plan", "budget", "blind", "arm", "goal missed", "crash",
+)  # fmt: skip
 """How an episode can end; of several that apply to one that failed, the first."""
 
 

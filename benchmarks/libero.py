@@ -16,13 +16,14 @@ is said not to stand.
 import json
 from collections import Counter, defaultdict
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from topple.benchmarks.row import Progress, Row
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import share
 from topple.planner.simulate.tolerances import STAYS, STAYS_TURNED
 from topple.planner.stability.check import StabilityCheck, check
 from topple.planner.stability.verdicts import Verdict
@@ -120,12 +121,10 @@ def _rows(told: Mapping[str, int], wrong: list[str]) -> list[Row]:
     return [
         _share("tasks that are read and checked", told["read"], told["tasks"], "100"),
         _share("pairs at rest that carry: false or missed", bad, told["right"] + bad, "<= 1"),
-        _share("recall of what moves within 1 s", told["told"], told["moves"], ">= 98", tuple(wrong[:12])),
+        _share("recall of what moves within 1 s", told["told"], told["moves"], ">= 98", wrong=wrong[:12]),
         _share("precision of what is said not to stand", told["told"], told["told"] + told["vain"], ">= 95"),
         _share("neither, and said not to stand", told["unclear, told"], told["unclear"], None),
     ]
 
 
-def _share(what: str, part: int, whole: int, bar: str | None, wrong: tuple[str, ...] = ()) -> Row:
-    share, interval = 100 * part / max(whole, 1), share_interval(part, whole)
-    return Row(what, share, "%", bar=bar, interval=interval, tried=whole, held=part, wrong=wrong)
+_share = partial(share, counted=True)

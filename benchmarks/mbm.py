@@ -4,42 +4,50 @@ Chamzas et al., "MotionBenchMaker" (RA-L 2022): shelves, boxes, a cage and table
 Panda, a UR5 and a Fetch. `--data DIR` is the unpacked archive of vamp-planner 0.6.4 (PyPI), which brings the
 arms' URDFs and meshes. A problem counts unless its start or goal touches something by the exact meshes,
 looked up with python-fcl where topple refuses the goal. Solved is what has a certificate all along.
+roboplan, where installed, is handed the same arms, goals and solids; what its paths touch is told apart.
 """
 
 import itertools
 import re
 import tarfile
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from topple.benchmarks.motion_problems import Problem, Solid, checker_of
+from topple.benchmarks.peers import Answer, answers, python_of
 from topple.benchmarks.row import Progress, Row
-from topple.benchmarks.scores import share_interval
-from topple.planner.motion.collision import Checker, Contact
+from topple.benchmarks.scores import share
 from topple.planner.motion.planner import Motion, plan_motion
+from topple.planner.motion.shortcut import densely
 from topple.robots import robot
-from topple.robots.arm.arm import Arm
 from topple.robots.arm.elements import numbers, origin_of
 from topple.robots.arm.gripper_file import ArmPart, GripperFile
-from topple.robots.arm.shapes import find_mesh, geometry_parts, prism
+from topple.robots.arm.shapes import find_mesh, geometry_parts
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.collision.convex import hull_of
+from topple.robots.poses import pose_from
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 
-Primitive = tuple[str, Sequence[float], FloatArray]
-"""Kind, sizes [m] and pose (4, 4) in the world, as the problems have them."""
-
 ROBOTS = ("panda", "ur5", "fetch")
 QUICK = 10
 """Of so many problems one, where it has to be quick."""
+
+PEERS = ("roboplan",)
+"""Run beside, where they are installed: see `topple.benchmarks.peers`."""
+
+BUDGET = 20.0
+"""[s] of a peer for one problem."""
+
+LOOKED_AT = 0.01
+"""[rad] between the states of a peer's path that are looked at."""
 
 
 def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -> list[dict[str, Any]]:
@@ -65,7 +73,7 @@ def _rows_of(name: str, every: int, seed: int, progress: Progress, data: Path | 
     archive = None if data is None else data / "resources" / name / "problems.tar.bz2"
     if archive is None or not archive.exists():
         return []
-    seconds: list[float] = []
+    problems, seconds = list[Problem](), list[float]()
     touching, wrong, arm = 0, list[str](), None
     for kind, number, scene, request in _problems(archive, every):
         progress(f"{kind}, problem {number}")
@@ -84,29 +92,53 @@ def _rows_of(name: str, every: int, seed: int, progress: Progress, data: Path | 
         ends[:, endless] = (ends[:, endless] + np.pi) % (2.0 * np.pi) - np.pi
         obstacles = dict(_obstacles(scene))
         before = process_time()
-        checker = Checker(arm, np.eye(4), {each: [polyhedron(*shape)] for each, shape in obstacles.items()})
+        checker = checker_of(arm, obstacles)
         motion = plan_motion(checker, ends[0], ends[1:], seed=seed)
-        seconds.append(process_time() - before)
-        if isinstance(motion, Motion) and motion.certificate is not None and motion.certificate.proven:
-            continue
-        if any(_touches(arm, q, each, obstacles) for q in ends for each in checker.contacts(q)):
+        spent = process_time() - before
+        solved = isinstance(motion, Motion) and motion.certificate is not None and motion.certificate.proven
+        problem = Problem(obstacles, checker, ends[0], ends[1:])
+        if not solved and _touches(problem, ends):
             touching += 1
             continue
-        wrong.append(f"{kind} {number}: {'not certified' if isinstance(motion, Motion) else motion.reason}")
-    tried = len(seconds) - touching
-    held = tried - len(wrong)
-    return [
-        Row(
-            "problems solved and certified", 100 * held / tried, "%", bar=">= 99.5",
-            interval=share_interval(held, tried), tried=tried, held=held, wrong=tuple(wrong[:12]),
-            column=name,
+        problems.append(problem)
+        seconds.append(spent)
+        if not solved:
+            reason = "not certified" if isinstance(motion, Motion) else motion.reason
+            wrong.append(f"{kind} {number}: {reason}")
+    tried = len(problems)
+    found = [
+        share(
+            "problems solved and certified", tried - len(wrong), tried, ">= 99.5", counted=True,
+            wrong=wrong[:12], column=name,
         ),
         Row("left out, as start or goal touches something by the exact meshes", touching, "", column=name),
-        *(
-            Row(f"CPU of a problem, {what}", 1e3 * float(np.quantile(seconds, share)), "ms", column=name)
-            for what, share in (("median", 0.5), ("95 %", 0.95), ("worst", 1.0))
-        ),
+        *_times(name, seconds),
     ]  # fmt: skip
+    for peer in PEERS:
+        if (python := python_of(peer)) is not None:
+            progress(f"{name}: {peer}")
+            found += _peer_rows(f"{name}, {peer}", problems, answers(peer, python, problems, seed, BUDGET))
+    return found
+
+
+def _times(column: str, seconds: Sequence[float]) -> list[Row]:
+    return [
+        Row(f"CPU of a problem, {what}", 1e3 * float(np.quantile(seconds, part)), "ms", column=column)
+        for what, part in (("median", 0.5), ("95 %", 0.95), ("worst", 1.0))
+    ]
+
+
+def _peer_rows(column: str, problems: Sequence[Problem], found: Sequence[Answer]) -> list[Row]:
+    """A path of a peer counts as solved, whatever it touches: that is a row of its own."""
+    paths = [(p, a.path) for p, a in zip(problems, found, strict=True) if a.path is not None]
+    touching = sum(_touches(problem, densely(path, LOOKED_AT)) for problem, path in paths)
+    return [
+        share("problems with a path, touching or not", len(paths), len(found), column=column),
+        share(
+            f"paths that touch, by exact meshes every {LOOKED_AT} rad", touching, len(paths), column=column
+        ),
+        *_times(column, [answer.seconds for answer in found]),
+    ]
 
 
 def _problems(archive: Path, every: int) -> Iterator[tuple[str, int, Any, Any]]:
@@ -126,48 +158,38 @@ def _problems(archive: Path, every: int) -> Iterator[tuple[str, int, Any, Any]]:
         yield kind, number, *(yaml.load(texts[each], loader) for each in ("scene", "request"))
 
 
-def _obstacles(scene: Any) -> Iterator[tuple[str, Primitive]]:
+def _obstacles(scene: Any) -> Iterator[tuple[str, Solid]]:
     for each in scene["world"]["collision_objects"]:
         whole = _pose(each["pose"]) if "pose" in each else np.eye(4)
         for k, (shape, place) in enumerate(zip(each["primitives"], each["primitive_poses"], strict=True)):
-            yield f"{each['id']} {k}", (shape["type"], shape["dimensions"], whole @ _pose(place))
-
-
-def polyhedron(kind: str, sizes: Sequence[float], pose_to_world: FloatArray) -> FloatArray:
-    """(V, 3) corners in the world [m] of a body around a primitive, at most 2 % wider."""
-    import trimesh
-
-    if kind == "box":
-        corners = trimesh.creation.box(sizes).vertices
-    elif kind == "cylinder":
-        corners = prism(sizes[1], sizes[0])
-    else:  # an icosphere lies inside the ball: scaled so that its faces do not
-        corners = trimesh.creation.icosphere(subdivisions=2, radius=1.02 * sizes[0]).vertices
-    return transformed(np.asarray(corners, dtype=float), pose_to_world)
+            yield f"{each['id']} {k}", Solid(shape["type"], shape["dimensions"], whole @ _pose(place))
 
 
 def _pose(given: Any) -> FloatArray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = Rotation.from_quat(given["orientation"]).as_matrix(), given["position"]
-    return pose
+    return pose_from(given["position"], given["orientation"])
 
 
-def _touches(arm: Arm, q: FloatArray, contact: Contact, obstacles: Mapping[str, Primitive]) -> bool:
-    """Whether two things that touch by their convex parts do by the meshes themselves."""
+def _touches(problem: Problem, states: FloatArray) -> bool:
+    """Whether anything touches by the meshes themselves in one of (m, n) states."""
     import fcl
 
-    there = dict(zip(arm.links, arm.forward(q)[0], strict=True))
-    sides = [
-        [_primitive(*obstacles[name])] if name in obstacles else [
-            fcl.CollisionObject(mesh, fcl.Transform(there[name][:3, :3], there[name][:3, 3]))
-            for mesh in _meshes(arm.model.path, name)
-        ]
-        for name in (contact.a, contact.b)
-    ]  # fmt: skip
-    return any(
-        fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult())
-        for one, other in itertools.product(*sides)
-    )
+    checker = problem.checker
+    for q in states[~checker.free(states)]:  # the convex parts hold the meshes
+        there = dict(zip(checker.arm.links, checker.arm.forward(q)[0], strict=True))
+        for contact in checker.contacts(q):
+            sides = [
+                [_solid(problem.boxes[name])] if name in problem.boxes else [
+                    fcl.CollisionObject(mesh, fcl.Transform(there[name][:3, :3], there[name][:3, 3]))
+                    for mesh in _meshes(checker.arm.model.path, name)
+                ]
+                for name in (contact.a, contact.b)
+            ]  # fmt: skip
+            if any(
+                fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult())
+                for one, other in itertools.product(*sides)
+            ):
+                return True
+    return False
 
 
 @cache
@@ -195,8 +217,10 @@ def _meshes(path: Path, link: str) -> list[Any]:
     return found
 
 
-def _primitive(kind: str, sizes: Sequence[float], pose: FloatArray) -> Any:
+def _solid(solid: Solid) -> Any:
     import fcl
 
     made = {"box": fcl.Box, "cylinder": lambda length, radius: fcl.Cylinder(radius, length)}
-    return fcl.CollisionObject(made.get(kind, fcl.Sphere)(*sizes), fcl.Transform(pose[:3, :3], pose[:3, 3]))
+    return fcl.CollisionObject(
+        made.get(solid.kind, fcl.Sphere)(*solid.size), fcl.Transform(solid.pose[:3, :3], solid.pose[:3, 3])
+    )

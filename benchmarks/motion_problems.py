@@ -1,37 +1,47 @@
 """Seeded motion problems to measure with: picks in clutter, and transfers around a wall."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.shapes import prism
+from topple.robots.poses import pose_from
 from topple.topology.base.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
 
 
-@dataclass(frozen=True)
-class Box:
-    """A box turned about the vertical.
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A box, cylinder or sphere.
 
     Attributes:
-        centre: In [m], in the arm's base.
-        size: Edge lengths in [m].
-        yaw: In [rad].
+        kind: Which of them.
+        size: Edges of a box, length and radius of a cylinder, radius of a sphere [m].
+        pose: (4, 4) of its middle, in the arm's base; a cylinder is along z.
     """
 
-    centre: tuple[float, float, float]
-    size: tuple[float, float, float]
-    yaw: float = 0.0
+    kind: str
+    size: Sequence[float]
+    pose: FloatArray
 
     @property
     def corners(self) -> FloatArray:
-        """(8, 3) in [m]."""
-        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
-        return signs * self.size / 2 @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + self.centre
+        """(V, 3) in [m], of a body around it at most 2 % wider."""
+        import trimesh
+
+        if self.kind == "box":
+            corners = trimesh.creation.box(self.size).vertices
+        elif self.kind == "cylinder":
+            corners = prism(self.size[1], self.size[0])
+        else:  # an icosphere lies inside the ball: scaled so that its faces do not
+            corners = trimesh.creation.icosphere(subdivisions=2, radius=1.02 * self.size[0]).vertices
+        return transformed(np.asarray(corners, dtype=float), self.pose)
 
 
-Boxes = dict[str, Box]
+Solids = Mapping[str, Solid]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +55,7 @@ class Problem:
         goals: (g, n) free joint values, the nearest to the start first.
     """
 
-    boxes: Boxes
+    boxes: Solids
     checker: Checker
     start: FloatArray
     goals: FloatArray
@@ -62,7 +72,7 @@ def pick(arm: Arm, seed: int) -> Problem:
 def transfer(arm: Arm, seed: int) -> Problem:
     """From one side of a wall on the table to the other, between four boxes; no straight edge is free."""
     rng = np.random.default_rng(seed)
-    boxes = clutter(rng, 4) | {"wall": Box((0.45, 0.0, 0.25), (0.5, 0.04, 0.5))}
+    boxes = clutter(rng, 4) | {"wall": box((0.45, 0.0, 0.25), (0.5, 0.04, 0.5))}
     checker = checker_of(arm, boxes)
     while True:
         start, goals = _reachable(checker, rng, 0.3, 0.1)[0], _reachable(checker, rng, -0.3, 0.1)
@@ -70,19 +80,24 @@ def transfer(arm: Arm, seed: int) -> Problem:
             return _problem(boxes, checker, start, goals)
 
 
-def checker_of(arm: Arm, boxes: Boxes) -> Checker:
+def checker_of(arm: Arm, boxes: Solids) -> Checker:
     """A fresh checker of an arm among boxes."""
     return Checker(arm, np.eye(4), {name: [box.corners] for name, box in boxes.items()})
 
 
-def clutter(rng: np.random.Generator, count: int) -> Boxes:
+def clutter(rng: np.random.Generator, count: int) -> dict[str, Solid]:
     """A table with boxes of 4 to 20 cm on it."""
-    boxes = {"table": Box((0.5, 0.0, -0.03), (1.2, 1.6, 0.04))}
+    boxes = {"table": box((0.5, 0.0, -0.03), (1.2, 1.6, 0.04))}
     for k in range(count):
         x, y, z = (float(v) for v in rng.uniform(0.04, 0.2, 3))
         place = (float(rng.uniform(0.3, 0.75)), float(rng.uniform(-0.6, 0.6)), z / 2)
-        boxes[f"box {k}"] = Box(place, (x, y, z), float(rng.uniform(0, np.pi)))
+        boxes[f"box {k}"] = box(place, (x, y, z), float(rng.uniform(0, np.pi)))
     return boxes
+
+
+def box(centre: Sequence[float], size: Sequence[float], yaw: float = 0.0) -> Solid:
+    """A box of some edges [m], turned about the vertical by an angle [rad]."""
+    return Solid("box", size, pose_from(centre, [0.0, 0.0, np.sin(yaw / 2), np.cos(yaw / 2)]))
 
 
 def top_down(x: float, y: float, z: float, yaw: float) -> FloatArray:
@@ -91,7 +106,7 @@ def top_down(x: float, y: float, z: float, yaw: float) -> FloatArray:
     return np.array([[c, s, 0, x], [s, -c, 0, y], [0, 0, -1, z], [0, 0, 0, 1]])
 
 
-def _problem(boxes: Boxes, checker: Checker, start: FloatArray, goals: FloatArray) -> Problem:
+def _problem(boxes: Solids, checker: Checker, start: FloatArray, goals: FloatArray) -> Problem:
     nearest = np.argsort(np.linalg.norm(goals - start, axis=1), kind="stable")
     return Problem(boxes, checker, start, goals[nearest])
 

@@ -44,7 +44,7 @@ from topple.benchmarks.guesses import Guess, guesses
 from topple.benchmarks.piles import make_pile, observe, truth
 from topple.benchmarks.recorded import Case, Frame, recorded_frames, recorded_piles
 from topple.benchmarks.row import Progress, Row
-from topple.benchmarks.scores import Score, f1_interval, score, share_interval
+from topple.benchmarks.scores import Score, f1_interval, score, share
 from topple.planner.planning.next_view import next_view
 from topple.planner.planning.order import order
 from topple.topology.scene.scene import Scene
@@ -173,28 +173,12 @@ def _view(cases: Sequence[Case], view: int) -> list[Row]:
         Row(f"precision, {where}", total.precision, "", "plain 6IM + height", naive.precision),
         Row(f"recall, {where}", total.recall, "", "plain 6IM + height", naive.recall),
     ]
-    safe, piles = total.safe, total.piles
     for name, scores in theirs.items():
-        value = _percent(sum(scores, Score()).safe, piles)
-        found.append(
-            Row(
-                f"safe orders, {where}", _percent(safe, piles), "%", name, value,
-                interval=share_interval(safe, piles),
-            )
-        )  # fmt: skip
-    return [*found, _extra(total, naive, where)]
-
-
-def _extra(total: Score, naive: Score, where: str) -> Row:
-    return Row(
-        f"targets without an extra removal, {where}",
-        _percent(total.lean, total.targets),
-        "%",
-        "plain 6IM + height",
-        _percent(naive.lean, naive.targets),
-        bar=">= 95",
-        interval=share_interval(total.lean, total.targets),
-    )
+        beside = name, sum(scores, Score()).safe, total.piles
+        found.append(share(f"safe orders, {where}", total.safe, total.piles, against=beside))
+    extra = "plain 6IM + height", naive.lean, naive.targets
+    what = f"targets without an extra removal, {where}"
+    return [*found, share(what, total.lean, total.targets, ">= 95", against=extra)]
 
 
 def _verified(cases: Sequence[Case], views: tuple[int, ...], progress: Progress) -> list[Row]:
@@ -219,10 +203,9 @@ def _verified(cases: Sequence[Case], views: tuple[int, ...], progress: Progress)
             ),
             Row(f"precision, {where}", total.precision, "", "without --verify", plain.precision),
             Row(f"recall, {where}", total.recall, "", "without --verify", plain.recall),
-            Row(
-                f"safe orders, {where}", _percent(total.safe, total.piles), "%", "without --verify",
-                _percent(plain.safe, plain.piles), bar=f">= {SAFE_BARS[view]}",
-                interval=share_interval(total.safe, total.piles),
+            share(
+                f"safe orders, {where}", total.safe, total.piles, f">= {SAFE_BARS[view]}",
+                against=("without --verify", plain.safe, plain.piles),
             ),
         ]  # fmt: skip
     return [*found, Row("--verify on a pile, median, wall time", median(seconds), "s", bar="<= 20")]
@@ -237,11 +220,9 @@ def _frames(frames: Iterable[Frame]) -> list[Row]:
         found += len(frame.needed & edges)
         said += len(edges)
         false += len(edges - frame.needed)
-    right, wrong = share_interval(found, needed), share_interval(false, said)
-    share = _percent(false, said) if said else 0.0
     return [
-        Row("real frames, constraints found", _percent(found, needed), "%", bar=">= 95", interval=right),
-        Row("real frames, edges that are false", share, "%", bar="<= 5", interval=wrong),
+        share("real frames, constraints found", found, needed, ">= 95"),
+        share("real frames, edges that are false", false, said, "<= 5"),
     ]
 
 
@@ -286,7 +267,3 @@ def _scored(cases: Sequence[Case], view: int, answer: Callable[[Scene, int], Gue
     return [
         score(answer(case.scenes[view], case.seed), case.labels, case.scenes[view].movable) for case in cases
     ]
-
-
-def _percent(part: int, whole: int) -> float:
-    return float(np.nan_to_num(100 * np.divide(part, whole))) if whole else 100.0

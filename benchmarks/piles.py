@@ -97,6 +97,12 @@ class Pile:
     bodies: tuple[Body, ...]
     poses: dict[str, FloatArray]
 
+    @staticmethod
+    def of(world: World) -> "Pile":
+        """What lies on the table of a world; what fell off it is left out."""
+        poses = {name: pose for name, pose in world.poses().items() if pose[2, 3] > -0.05}
+        return Pile(tuple(map(world.body, poses)), poses)
+
     def world(self) -> World:
         """The pile on its table, in a world of its own that the caller closes."""
         world = World()
@@ -128,9 +134,7 @@ def make_pile(seed: int) -> Pile:
             _drop(world, body, rng, spread)
         set_friction(world, 0.5, 0.6)
         world.settle(4.0)
-        poses = world.poses()
-        bodies = [world.body(name) for name in world.movable if poses[name][2, 3] > -0.05]
-    return Pile(tuple(bodies), {body.name: poses[body.name] for body in bodies})
+        return Pile.of(world)
 
 
 def _drop(world: World, body: Body, rng: np.random.Generator, spread: float) -> None:

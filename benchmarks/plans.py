@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.benchmarks.row import Progress, Row
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import share
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo import task_in
 from topple.planner.execution.look import Observer
@@ -105,10 +105,7 @@ def rearranged(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any
             held[scene] += verified
             progress(f"{scene}, seed {one}: {'verified' if verified else 'no plan that verifies'}")
     of, bar, what = len(numbers), f">= {VERIFIED:g}", "planned whole from one look, and verified"
-    found = [
-        Row(f"{scene}: {what}, of {of}", 100.0 * count / of, "%", bar=bar, interval=share_interval(count, of))
-        for scene, count in held.items()
-    ]
+    found = [share(f"{scene}: {what}, of {of}", count, of, bar) for scene, count in held.items()]
     return [row.to_json() for row in found]
 
 

@@ -30,7 +30,7 @@ import numpy as np
 from topple.benchmarks.cubes import cubes_problem, falling_cubes
 from topple.benchmarks.discs import Discs, Put, check, rearrange_discs
 from topple.benchmarks.row import Progress, Row
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import share
 from topple.planner.rearranging.moves import contracted, fewest_moves
 from topple.planner.rearranging.problem import Move, Problem, To
 from topple.planner.tolerances import DISTURBED, TURNED
@@ -106,11 +106,11 @@ def _cube_rows(
             assert problem.check(moves) is None, problem.check(moves)
             theirs[rule].append(len(moves))
     optimal = [length == bound for length, bound in zip(lengths, bounds, strict=True)]
-    what, interval = f"{count} cubes", share_interval(sum(optimal), len(optimal))
+    what = f"{count} cubes"
     for rule in RULES:
-        same = [length == bound for length, bound in zip(theirs[rule], bounds, strict=True)]
-        yield Row(f"{what}: as few moves as the bound", _percent(optimal), "%", rule, _percent(same),
-                  bar=bar if rule == RULES[0] else None, interval=interval)  # fmt: skip
+        same = sum(length == bound for length, bound in zip(theirs[rule], bounds, strict=True))
+        least, beside = bar if rule == RULES[0] else None, (rule, same, len(bounds))
+        yield share(f"{what}: as few moves as the bound", sum(optimal), len(optimal), least, against=beside)
     for rule in RULES:
         yield Row(f"{what}: moves beyond the bound", _beyond(lengths, bounds), "%", rule,
                   _beyond(theirs[rule], bounds), bar="<= 3" if rule == RULES[0] else None)  # fmt: skip
@@ -118,8 +118,7 @@ def _cube_rows(
     yield Row(f"{what}: longest time", max(seconds), "s", bar="<= 30")
     if stood:
         yield Row(f"{what}: given starts and goals that both stand", given, f"of {len(pairs)}")
-        yield Row(f"{what}: of these, arrangements on the way that stand", _percent(stood), "%",
-                  bar=">= 100", interval=share_interval(sum(stood), len(stood)))  # fmt: skip
+        yield share(f"{what}: of these, arrangements on the way that stand", sum(stood), len(stood), ">= 100")
 
 
 def _disc_rows(instances: Sequence[Discs], what: str, seed: int) -> Iterable[Row]:
@@ -137,11 +136,10 @@ def _disc_rows(instances: Sequence[Discs], what: str, seed: int) -> Iterable[Row
             puts = _discs_by_rule(discs, rule, np.random.default_rng(seed))
             theirs[rule].append(None if puts is None else (len(puts), bound))
     solved = [one is not None for one in ours]
-    interval = share_interval(sum(solved), len(solved))
     for rule in RULES:
-        others = _percent([one is not None for one in theirs[rule]])
-        yield Row(f"{what}: solved within the square", _percent(solved), "%", rule, others,
-                  bar=">= 95" if rule == RULES[0] else None, interval=interval)  # fmt: skip
+        others = rule, sum(one is not None for one in theirs[rule]), len(theirs[rule])
+        least = ">= 95" if rule == RULES[0] else None
+        yield share(f"{what}: solved within the square", sum(solved), len(solved), least, against=others)
     for rule in RULES:
         yield Row(f"{what}: moves beyond the bound", _over(ours), "%", rule, _over(theirs[rule]),
                   bar="<= 5" if rule == RULES[0] else None)  # fmt: skip
@@ -155,10 +153,6 @@ def _over(each: Sequence[tuple[int, int] | None]) -> float:
 
 def _beyond(lengths: Sequence[int], bounds: Sequence[int]) -> float:
     return 100.0 * (sum(lengths) / max(sum(bounds), 1) - 1.0)
-
-
-def _percent(each: Sequence[bool]) -> float:
-    return 100.0 * sum(each) / max(len(each), 1)
 
 
 def _cubes(data: Path | None, count: int, seed: int) -> Iterator[tuple[Places, Places]]:

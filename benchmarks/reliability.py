@@ -13,7 +13,7 @@ from topple.benchmarks.fuzz import READERS, ReaderCount, fuzz
 from topple.benchmarks.kills import kill, refuse
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.sabotages.caught import CASES, catch
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import share
 from topple.benchmarks.soak import side_by_side, soaked
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.workers import all_of, opened
@@ -85,7 +85,8 @@ def _sabotages(quick: bool, seed: int, progress: Progress) -> list[Row]:
     )
     tried = sum(one.tried for one in found)
     escaped = tuple(f"{name} ({one.plan})" for one in found for name in one.escaped)
-    return [_share(f"sabotages caught, in {len(found)} plans", tried - len(escaped), tried, escaped)]
+    what = f"sabotages caught, in {len(found)} plans"
+    return [share(what, tried - len(escaped), tried, ">= 100", counted=True, wrong=escaped)]
 
 
 def _faults(quick: bool, seed: int, progress: Progress) -> list[Row]:
@@ -98,7 +99,8 @@ def _faults(quick: bool, seed: int, progress: Progress) -> list[Row]:
         count = FaultCount(fault.name, tuple(run for run in runs if run.fault == fault.name))
         spoilt = [f"seed {run.seed}: {run.crashed or run.text}" for run in count.runs if not run.survived]
         what = f"fault survived: {count.fault}"
-        found.append(_share(what, count.survived, len(count.runs), tuple(spoilt[:SHOWN])))
+        told, tried = spoilt[:SHOWN], len(count.runs)
+        found.append(share(what, count.survived, tried, ">= 100", counted=True, wrong=told))
         found += _ways(count)
     left_out = [fault for fault in FAULTS if fault not in faults]
     if left_out:
@@ -127,13 +129,6 @@ def _played(task: tuple[int, int]) -> Run:
 
 def _said(run: Run) -> str:
     return f"{run.fault}, seed {run.seed}: {'survived' if run.survived else 'NOT survived'}"
-
-
-def _share(what: str, held: int, tried: int, wrong: tuple[str, ...]) -> Row:
-    """A share of which nothing may be missing."""
-    interval = share_interval(held, tried)
-    share = 100 * held / tried
-    return Row(what, share, "%", bar=">= 100", interval=interval, tried=tried, held=held, wrong=wrong)
 
 
 def _kills(quick: bool, seed: int, progress: Progress) -> list[Row]:

@@ -36,7 +36,7 @@ from topple.benchmarks.journal import Journal
 from topple.benchmarks.other_piles import NAME as OTHER_PILE
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.rules import RULES
-from topple.benchmarks.scores import DRAWS, share_interval
+from topple.benchmarks.scores import DRAWS, share
 from topple.benchmarks.series import BESIDE, FULL, QUICK, Series
 from topple.planner.fallbacks import Fallback
 from topple.topology.base.errors import InvalidInput
@@ -83,7 +83,7 @@ def rows(
     if data is not None:
         frames = frames_in(data)
         kept = frames[:1] if quick else frames
-        beside = (*beside, Series("real frames", len(kept), bar=70, folder=data, frames=kept))
+        beside = (*beside, Series("real frames", len(kept), bar=">= 70", folder=data, frames=kept))
     main, beside = (
         tuple(
             replace(one, ahead=ahead, meshes=meshes if one.scenario == OTHER_PILE else None) for one in some
@@ -194,7 +194,7 @@ def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
         if endings and one.rule == IDEAL:
             possible = sum(ending.success for ending in endings)
             what = f"targets that ideal lifts of true bodies free, {len(endings)} of {one.seeds} piles"
-            rows.append(_share(what, possible, len(endings)))
+            rows.append(share(what, possible, len(endings)))
     return rows + _against_rules(found)
 
 
@@ -252,9 +252,7 @@ def fallback_rows(endings: Sequence[Ending]) -> list[Row]:
     for name in Fallback:
         rows.append(Row(f"steps that stand on the fallback {name}, of {steps}", stood[name], ""))
         if stood[name]:
-            share = 100 * held[name] / stood[name]
-            interval = share_interval(held[name], stood[name])
-            rows.append(Row(f"of these succeeded: {name}", share, "%", interval=interval))
+            rows.append(share(f"of these succeeded: {name}", held[name], stood[name]))
     return rows
 
 
@@ -290,15 +288,15 @@ def _of_series(one: Series, endings: Sequence[Ending]) -> list[Row]:
     good = sum(ending.success for ending in endings)
     clean = sum(ending.clean for ending in endings)
     rows = [
-        _share(f"goal reached, nothing disturbed: {played}", good, len(endings), one.bar),
-        _share(f"nothing disturbed: {played}", clean, len(endings)),
+        share(f"goal reached, nothing disturbed: {played}", good, len(endings), one.bar),
+        share(f"nothing disturbed: {played}", clean, len(endings)),
     ]
     if one.folder is not None:
         stayed = sum(ending.sagged is not None and ending.sagged < STAYED for ending in endings)
-        rows.append(_share(f"rebuilt, every body moves below 1 cm: {played}", stayed, len(endings), 80))
+        rows.append(share(f"rebuilt, every body moves below 1 cm: {played}", stayed, len(endings), ">= 80"))
     if places := sum(ending.places for ending in endings):
         placed = sum(ending.placed for ending in endings)
-        rows.append(_share(f"things where they belong: {played}", placed, places, 90))
+        rows.append(share(f"things where they belong: {played}", placed, places, ">= 90"))
     seconds = median(ending.seconds for ending in endings)
     rows.append(
         Row(f"wall time, median: {one}", seconds, "s", bar="<= 60" if one.scenario == "pile" else None)
@@ -331,9 +329,7 @@ def _against_rules(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
         bar = "<= 1/2" if rule == best else None
         rows.append(Row(what, count[TOPPLE], "", rule, count[rule], ratio, bar))
         what = f"target freed, nothing disturbed, the same {len(seeds)} piles"
-        ours, theirs = (100 * reached[r] / len(seeds) for r in (TOPPLE, rule))
-        interval = share_interval(reached[TOPPLE], len(seeds))
-        rows.append(Row(what, ours, "%", rule, theirs, interval=interval))
+        rows.append(share(what, reached[TOPPLE], len(seeds), against=(rule, reached[rule], len(seeds))))
     return rows
 
 
@@ -356,8 +352,3 @@ def _growth(endings: Sequence[Ending]) -> float | None:
         if third >= LEAST_THIRD:
             grown.append(median(memory[-third:]) / median(memory[-2 * third : -third]))
     return max(grown, default=None)
-
-
-def _share(what: str, part: int, whole: int, bar: int | None = None) -> Row:
-    aim = None if bar is None else f">= {bar}"
-    return Row(what, 100 * part / whole, "%", bar=aim, interval=share_interval(part, whole))

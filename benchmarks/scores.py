@@ -7,6 +7,7 @@ import networkx as nx
 import numpy as np
 
 from topple.benchmarks.guesses import Guess
+from topple.benchmarks.row import Row
 
 Labels = Mapping[str, Mapping[str, int | None]]
 """then -> first -> 1 had to go first, 0 not, None too close to call."""
@@ -179,6 +180,42 @@ def f1_interval(scores: Sequence[Score]) -> tuple[float, float]:
     f1 = np.divide(2 * right, 2 * right + wrong, out=np.ones(DRAWS), where=right + wrong > 0)
     low, high = np.percentile(f1, [2.5, 97.5])
     return float(low), float(high)
+
+
+def share(
+    what: str,
+    held: int,
+    tried: int,
+    bar: str | None = None,
+    *,
+    against: tuple[str, int, int] | None = None,
+    counted: bool = False,
+    wrong: Sequence[str] = (),
+    column: str = "",
+) -> Row:
+    """A row of a share in percent with Wilson's interval, beside a baseline's.
+
+    Args:
+        what: What was counted.
+        held: How often it held.
+        tried: Of how many.
+        bar: What is aimed at.
+        against: A baseline, and the same two counts of it.
+        counted: Whether both counts have columns of their own.
+        wrong: What went wrong in the first of the others.
+        column: As in a `Row`.
+    """
+    name, part, whole = against or (None, 0, 0)
+    return Row(
+        what, percent(held, tried), "%", name, percent(part, whole) if name else None, bar=bar,
+        interval=share_interval(held, tried), tried=tried if counted else None,
+        held=held if counted else None, wrong=tuple(wrong), column=column,
+    )  # fmt: skip
+
+
+def percent(part: int, whole: int) -> float:
+    """A share in percent; none of nothing."""
+    return 100 * part / max(whole, 1)
 
 
 def share_interval(part: int, whole: int) -> tuple[float, float]:

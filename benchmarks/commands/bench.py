@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.document import BENCHES, bench, options_of
+from topple.benchmarks.document import BENCHES, CHECKS, bench, options_of
 from topple.benchmarks.markdown import markdown_table, replaced_table
 from topple.planner.cli.arguments import COMMON, add, add_jobs, count, from_zero
 from topple.planner.cli.console import complain, print_json, print_table, print_text
@@ -62,8 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "name",
         nargs="?",
         metavar="NAME",
-        help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or check, towers, libero, assemblies, textbook, cans, mbm, engines, reliability, speed or truth",
+        help=f"{', '.join(BENCHES)} (all of these, one by one), or {', '.join(CHECKS)}",
     )
     for option, metavar, purpose in _WITH_VALUES:
         parser.add_argument(option, metavar=metavar, help=purpose)

@@ -145,17 +145,10 @@ def _guess(document: Mapping[str, Any]) -> "Guess":
 
 def _figures(counts: "Score") -> dict[str, Any]:
     return {
-        "f1": counts.f1,
-        "precision": counts.precision,
-        "recall": counts.recall,
-        "right": counts.right,
-        "false": counts.false,
-        "missed": counts.missed,
-        "safe": counts.safe,
-        "scenes": counts.piles,
-        "unsafe_steps": counts.unsafe,
-        "steps": counts.steps,
-    }
+        "f1": counts.f1, "precision": counts.precision, "recall": counts.recall, "right": counts.right,
+        "false": counts.false, "missed": counts.missed, "safe": counts.safe, "scenes": counts.piles,
+        "unsafe_steps": counts.unsafe, "steps": counts.steps,
+    }  # fmt: skip
 
 
 def _show(as_json: bool, total: "list[Score]", path: str, document: dict[str, Any]) -> int:

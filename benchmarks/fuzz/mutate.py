@@ -25,25 +25,9 @@ _NUMBERS = (
     b"0.5", b"1_0", b"0x10", b"", b"1.2.3", b"\xd9\xa3",
 )  # fmt: skip
 _VALUES = (
-    b"null",
-    b"true",
-    b"[]",
-    b"{}",
-    b'""',
-    b'"a"',
-    b"0",
-    b"-1",
-    b"1e999",
-    b"NaN",
-    b"[[1, 2], [3]]",
-    b"[null]",
-    b"1e308",
-    b'"a\\u0000b.xyz"',
-    b'"\\ud800.xyz"',
-    b'"../a.xyz"',
-    b'"/dev/zero"',
-    b"[" * 9999 + b"]" * 9999,
-)
+    b"null", b"true", b"[]", b"{}", b'""', b'"a"', b"0", b"-1", b"1e999", b"NaN", b"[[1, 2], [3]]", b"[null]",
+    b"1e308", b'"a\\u0000b.xyz"', b'"\\ud800.xyz"', b'"../a.xyz"', b'"/dev/zero"', b"[" * 9999 + b"]" * 9999,
+)  # fmt: skip
 _PAIR = re.compile(rb'"[^"]*"\s*:\s*')
 _POSTSCRIPT = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n"
 _RAW = tuple(
@@ -55,19 +39,8 @@ _RAW = tuple(
     )
 )  # fmt: skip
 _INSERTED = (
-    b"\n",
-    b"\r\n",
-    b"\0",
-    b" ",
-    b'"',
-    b"#",
-    b"{",
-    b"]",
-    b"<",
-    b"\xff\xfe",
-    b"\xc3",
-    "\u2028".encode(),
-)
+    b"\n", b"\r\n", b"\0", b" ", b'"', b"#", b"{", b"]", b"<", b"\xff\xfe", b"\xc3", "\u2028".encode(),
+)  # fmt: skip
 
 
 def mutated(data: bytes, rng: np.random.Generator) -> bytes:

@@ -37,24 +37,13 @@ _PROCEDURAL: Mapping[str, tuple[float, Maker]] = {
 }  # fmt: skip
 
 _FOLDERS: Mapping[str, str] = {
-    "master_chef_can": "002_master_chef_can",
-    "sugar_box": "004_sugar_box",
-    "tomato_soup_can": "005_tomato_soup_can",
-    "mustard_bottle": "006_mustard_bottle",
-    "tuna_can": "007_tuna_fish_can",
-    "gelatin_box": "009_gelatin_box",
-    "potted_meat_can": "010_potted_meat_can",
-    "banana": "011_banana",
-    "strawberry": "012_strawberry",
-    "lemon": "014_lemon",
-    "pear": "016_pear",
-    "orange": "017_orange",
-    "plum": "018_plum",
-    "bowl": "024_bowl",
-    "mug": "025_mug",
-    "plate": "029_plate",
-    "chips_can": "001_chips_can",
-}
+    "master_chef_can": "002_master_chef_can", "sugar_box": "004_sugar_box",
+    "tomato_soup_can": "005_tomato_soup_can", "mustard_bottle": "006_mustard_bottle",
+    "tuna_can": "007_tuna_fish_can", "gelatin_box": "009_gelatin_box",
+    "potted_meat_can": "010_potted_meat_can", "banana": "011_banana", "strawberry": "012_strawberry",
+    "lemon": "014_lemon", "pear": "016_pear", "orange": "017_orange", "plum": "018_plum", "bowl": "024_bowl",
+    "mug": "025_mug", "plate": "029_plate", "chips_can": "001_chips_can",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,12 @@ from topple.benchmarks.peers.handover import handed_over
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import ToppleError
 
-PEERS = {"pybullet-planning": "pybullet_planning_peer.py", "mplib": "mplib_peer.py", "vamp": "vamp_peer.py"}
+PEERS = {
+    "pybullet-planning": "pybullet_planning_peer.py",
+    "mplib": "mplib_peer.py",
+    "vamp": "vamp_peer.py",
+    "roboplan": "roboplan_peer.py",
+}
 """Scripts by the name of the package that each drives."""
 
 

@@ -105,11 +105,9 @@ def described(assembly: Any, friction: float) -> dict[str, Any]:
         block = assembly.node_block(node)
         vertices, faces = triangles(block)
         blocks[f"b{node}"] = {
-            "vertices": vertices,
-            "faces": faces,
-            "volume": abs(block.volume()),
-            "centre": list(block.center()),
-        }
+            "vertices": vertices, "faces": faces,
+            "volume": abs(block.volume()), "centre": list(block.center()),
+        }  # fmt: skip
     free = [node for node in assembly.nodes() if node not in fixed(assembly)]
     some = free if len(free) <= REMOVALS else free[:: len(free) // REMOVALS + 1]
     begun = time.process_time()
@@ -123,13 +121,9 @@ def described(assembly: Any, friction: float) -> dict[str, Any]:
         without[f"b{node}"] = stands(rest, friction)
     taken["removal"] = (time.process_time() - begun) / max(len(some), 1)
     return {
-        "friction": friction,
-        "fixed": [f"b{node}" for node in fixed(assembly)],
-        "blocks": blocks,
-        "stands": whole,
-        "without": without,
-        "seconds": taken,
-    }
+        "friction": friction, "fixed": [f"b{node}" for node in fixed(assembly)], "blocks": blocks,
+        "stands": whole, "without": without, "seconds": taken,
+    }  # fmt: skip
 
 
 def write(folder: Path, names: list[str]) -> None:

@@ -46,9 +46,13 @@ def handed_over(folder: Path, problems: Sequence[Problem], seed: int, budget: fl
 
 def _as_json(problem: Problem) -> dict[str, object]:
     boxes = [
-        {"name": name, "centre": box.centre, "size": box.size, "yaw": box.yaw}
-        for name, box in problem.boxes.items()
-    ]
+        {
+            "name": name, "kind": solid.kind, "size": [*solid.size], "pose": solid.pose.tolist(),
+            "centre": solid.pose[:3, 3].tolist(),
+            "yaw": float(np.arctan2(solid.pose[1, 0], solid.pose[0, 0])),
+        }
+        for name, solid in problem.boxes.items()
+    ]  # fmt: skip
     return {"boxes": boxes, "start": problem.start.tolist(), "goals": problem.goals.tolist()}
 
 

@@ -10,7 +10,9 @@ import pytest
 import trimesh
 import yaml
 
-from topple.benchmarks.mbm import polyhedron, rows
+from topple.benchmarks.mbm import _peer_rows, rows
+from topple.benchmarks.motion_problems import Problem, Solid, box, checker_of
+from topple.benchmarks.peers import Answer
 from topple.robots import robot
 from topple.topology.base.errors import InvalidInput
 
@@ -43,9 +45,17 @@ def test_what_has_a_free_goal_is_solved_and_what_touches_is_left_out(tmp_path: P
                 member = tarfile.TarInfo(f"problems/box_panda/{part}{number:04d}.yaml")
                 member.size = len(data)
                 archive.addfile(member, io.BytesIO(data))
-    solved, touching, median, _, _ = rows(False, 0, lambda text: None, tmp_path)
+    solved, touching, median, *_ = rows(False, 0, lambda text: None, tmp_path)
     assert (solved["tried"], solved["held"], touching["value"]) == (1, 1, 1)
     assert median["value"] > 0
+
+
+def test_a_path_of_a_peer_that_touches_is_told_and_one_that_does_not_solve_is_no_path() -> None:
+    arm, boxes = robot("panda"), {"box": box((0.3, 0.2, 0.4), (0.1, 0.1, 0.8))}
+    problem = Problem(boxes, checker_of(arm, boxes), np.array(FREE), np.array([AWAY]))
+    through, stays = np.array([FREE, AWAY]), np.array([FREE, FREE])
+    found = _peer_rows("a peer", [problem] * 3, [Answer(0.1, q) for q in (through, stays, None)])
+    assert [round(row.value) for row in found] == [67, 50, 100, 100, 100]
 
 
 def test_without_an_archive_it_says_what_it_needs(tmp_path: Path) -> None:
@@ -64,7 +74,7 @@ def test_without_an_archive_it_says_what_it_needs(tmp_path: Path) -> None:
 def test_a_primitive_lies_within_its_polyhedron_which_is_little_wider(
     kind: str, sizes: list[float], shape: trimesh.Trimesh
 ) -> None:
-    part = polyhedron(kind, sizes, np.eye(4))
+    part = Solid(kind, sizes, np.eye(4)).corners
     for direction in np.random.default_rng(0).normal(size=(200, 3)):
         direction /= np.linalg.norm(direction)
         assert -1e-6 < (part @ direction).max() - (np.asarray(shape.vertices) @ direction).max() < 0.004

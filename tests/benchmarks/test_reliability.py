@@ -13,8 +13,9 @@ import pytest
 from topple.benchmarks import kills, soak
 from topple.benchmarks.commands.bench import _print
 from topple.benchmarks.faults.inject import FAULTS, Fault, FaultCount, Run
-from topple.benchmarks.reliability import _share, rows
+from topple.benchmarks.reliability import rows
 from topple.benchmarks.row import Row
+from topple.benchmarks.scores import share
 from topple.robots.engine import pybullet
 from topple.topology.base.errors import InvalidInput
 
@@ -82,7 +83,8 @@ def test_a_run_survives_by_its_goal_or_by_naming_the_fault_and_never_by_either_a
 
 
 def test_a_missed_bar_is_printed_with_what_went_wrong(capsys: pytest.CaptureFixture[str]) -> None:
-    fine, bad = _share("faults", 3, 3, ()), _share("splits", 2, 3, ("seed 7: no\nplan",))
+    fine = share("faults", 3, 3, ">= 100", counted=True)
+    bad = share("splits", 2, 3, ">= 100", counted=True, wrong=["seed 7: no\nplan"])
     assert (fine.ok, bad.ok) == (True, False)
     rows = [fine.to_json(), bad.to_json(), Row("left out", 8, "", tried=0).to_json()]
     assert json.loads(json.dumps(rows))[1]["wrong"] == ["seed 7: no\nplan"]

@@ -235,7 +235,7 @@ def test_what_is_left_is_said(tmp_path: Path) -> None:
 
 
 def test_frames_are_counted_by_what_stayed_and_what_went_well(tmp_path: Path) -> None:
-    series = Series("real frames", 2, bar=70, folder=tmp_path, frames=("a", "b"))
+    series = Series("real frames", 2, bar=">= 70", folder=tmp_path, frames=("a", "b"))
     first, second = series.episodes(0)
     assert first == Episode("a", 0, folder=str(tmp_path))
     endings = [Ending(first, "success", sagged=0.004), Ending(second, "disturbed", sagged=0.02)]
@@ -255,7 +255,7 @@ def test_a_folder_without_frames_is_said(tmp_path: Path) -> None:
 
 
 def test_shares_have_intervals_and_endings_are_counted() -> None:
-    series = Series("pile", 4, bar=90)
+    series = Series("pile", 4, bar=">= 90")
     ways = ["success", "success", "hit", "no plan"]
     found = {row.what: row for row in figures({series: _endings(series, ways)})}
     share = _only(found, "goal reached")

@@ -46,10 +46,7 @@ def desk(path: Path, lid: float = 0.35) -> Scene:
     """A desk with a board on a back wall over its rear: one can on that, one below it."""
     parts = [box((1.0, 0.8, -0.02), 0, 0.05, 0), box((1.0, 0.25, -0.02), 0, 0.325, lid)]
     shelf = trimesh.util.concatenate([*parts, box((1.0, 0.02, lid), 0, 0.46, 0)])
-    cans = {
-        "above": box((0.05, 0.05, 0.06), 0, 0.25, lid),
-        "below": box((0.05, 0.05, 0.06), 0, 0.25, 0),
-    }
+    cans = {"above": box((0.05, 0.05, 0.06), 0, 0.25, lid), "below": box((0.05, 0.05, 0.06), 0, 0.25, 0)}
     return folder(path, "shelf", shelf=shelf, **cans, **stack())
 
 

@@ -31,9 +31,7 @@ def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.Captur
         assert words in plate
 
 
-def test_only_what_is_not_where_it_shall_be_is_called_not_reached(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_only_what_is_not_where_it_shall_be_is_called_not_reached(capsys: pytest.CaptureFixture[str]) -> None:
     missing = ("plate is not free",)
     for record, word in (
         (RunRecord("free plate", "panda", 0, False, missing, missing=missing), "failed"),

@@ -61,12 +61,7 @@ def pinch(height: float = 0.05, score: float = 1.0) -> Grasp:
 
 @pytest.mark.parametrize(
     ("scene", "unseen"),
-    [
-        (shaded(LOW), True),
-        (shaded(LOW, wall=False), False),
-        (shaded(LOW, OTHER), False),
-        (shaded(), False),
-    ],
+    [(shaded(LOW), True), (shaded(LOW, wall=False), False), (shaded(LOW, OTHER), False), (shaded(), False)],
     ids=["in a shadow", "no shadow", "another camera", "no camera"],
 )
 def test_a_finger_in_a_shadow_comes_unseen(scene: Scene, unseen: bool) -> None:

@@ -222,10 +222,7 @@ def test_a_cup_beside_recognised_fingers_is_drawn_in_on_the_way() -> None:
             "expected 0 <= closed < open",
         ),
         ('[jaw]\njoints = ["left_slide", "right_slide"]\nopen = [0.0]', "`$.jaw.open` is [0.0], expected 2"),
-        (
-            '[jaw]\njoints = ["left_slide"]',
-            "'left' alone, which closes on nothing that moves: add the other",
-        ),
+        ('[jaw]\njoints = ["left_slide"]', "'left' alone, which closes on nothing that moves: add the other"),
     ],
 )
 def test_a_bad_gripper_file_is_refused_in_one_line_by_its_path(tmp_path: Path, text: str, words: str) -> None:

@@ -26,10 +26,7 @@ def _ball(radius: float = 0.035, stretch: float = 1.0) -> tuple[FloatArray, Floa
     rays = np.random.default_rng(1).normal(size=(2000, 3))
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     outward = rays / shape
-    return (
-        radius * rays * shape + [0.0, 0.0, radius],
-        outward / np.linalg.norm(outward, axis=1)[:, None],
-    )
+    return (radius * rays * shape + [0.0, 0.0, radius], outward / np.linalg.norm(outward, axis=1)[:, None])
 
 
 def _lying_can(radius: float = 0.033, length: float = 0.1) -> tuple[FloatArray, FloatArray]:

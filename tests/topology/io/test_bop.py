@@ -78,9 +78,7 @@ def test_what_was_seen_stands_where_the_camera_saw_it(
     assert scene.up == pytest.approx([0, 0, 1], abs=1e-3)
 
 
-def test_models_stand_at_their_true_poses(
-    written: tuple[Path, DepthImage, dict[str, np.ndarray]],
-) -> None:
+def test_models_stand_at_their_true_poses(written: tuple[Path, DepthImage, dict[str, np.ndarray]]) -> None:
     folder, _, corners = written
     scene = load_scene(folder, image=1, models=True)
     for name, true in zip((PLATE, CAN, BLOCK), corners.values(), strict=True):

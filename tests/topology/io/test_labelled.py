@@ -83,10 +83,7 @@ def test_a_stack_of_masks_is_a_label_per_mask(tmp_path: Path) -> None:
     scene = load_scene(_saved(tmp_path, **frame, masks=masks))
     assert scene.names == ("1", "2", "table")
     assert len(scene.clouds["1"]) == 400
-    for broken, words in (
-        (masks[0], "N, H, W"),
-        (masks & masks[:1], "empty"),
-    ):
+    for broken, words in ((masks[0], "N, H, W"), (masks & masks[:1], "empty")):
         with pytest.raises(InvalidInput, match=words):
             load_scene(_saved(tmp_path, **frame, masks=broken))
     with pytest.raises(InvalidInput, match="one mask"):

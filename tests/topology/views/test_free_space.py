@@ -69,11 +69,7 @@ def test_what_came_since_the_picture_was_taken_ends_its_lines_of_sight() -> None
     assert space.replaced({"lid": lid}).empty(places).tolist() == [False, True, True]
     assert FreeSpace({"wall": WALL, "lid": lid}, EYE, [picture(np.ones((100, 100)))]).empty(
         places
-    ).tolist() == [
-        False,
-        True,
-        True,
-    ]
+    ).tolist() == [False, True, True]
 
 
 def test_a_frame_of_its_own_sees_the_same() -> None:
