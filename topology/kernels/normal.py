@@ -27,9 +27,7 @@ def normal_sums(matrix: "csc_array", weights: "FloatArray") -> "FloatArray":
         chosen = matrix[:, np.flatnonzero(weights > 0)]
         return (chosen @ chosen.T).toarray()
     sums = np.zeros((matrix.shape[0], matrix.shape[0]))
-    begins, places = (np.ascontiguousarray(each, dtype=np.int32) for each in (matrix.indptr, matrix.indices))
-    values, weights = (np.ascontiguousarray(each, dtype=np.float64) for each in (matrix.data, weights))
-    compiled.normal_sums(
-        *(address(each) for each in (begins, places, values, weights)), len(weights), len(sums), address(sums)
-    )
+    sparse = [np.ascontiguousarray(each, dtype=np.int32) for each in (matrix.indptr, matrix.indices)]
+    dense = [np.ascontiguousarray(each, dtype=np.float64) for each in (matrix.data, weights)]
+    compiled.normal_sums(*map(address, sparse + dense), len(weights), len(sums), address(sums))
     return sums

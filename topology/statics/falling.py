@@ -115,17 +115,14 @@ def falls(
 
 
 def _fallen(
-    bodies: Mapping[str, Weight],
-    contacts: Sequence[Contact],
-    without: Collection[str],
-    search: Search | None,
+    bodies: Mapping[str, Weight], contacts: Sequence[Contact], without: Collection[str], search: Search | None
 ) -> dict[str, Fall]:
     """How far the bodies of an island sink, from which something may have been taken away.
 
-    What falls is what forces do not hold. How far it sinks a programme says in which all others are fixed.
-    Where forces hold these that leave less than half of the free share over, pressed as they are by what
-    sinks, no motion of theirs is part of a best answer: the programme of all has the same ones. Where they
-    do not, what is not held falls as well.
+    What falls is what forces do not hold. How far it sinks a programme says in which all others are fixed, as
+    long as these are most: it grows with the cube of the bodies. Where forces hold these that leave less
+    than half of the free share over, pressed as they are by what sinks, no motion of theirs is part of a best
+    answer: the programme of all has the same ones. Where they do not, what is not held falls as well.
 
     Args:
         bodies: The objects that are left, rising.
@@ -135,11 +132,12 @@ def _fallen(
     """
     names, falling = frozenset(bodies), frozenset[str]()
     alone: tuple[dict[str, Fall], Pressing] = {}, ()
+    kept = search.kept(names) if without and search is not None else None
     wide = False
-    while without and search is not None:
+    while kept is not None:
         # Within half of what is free every motion costs more than it gains.
-        more = search.unheld(names - falling, {*without, *falling}, FREE / 2, alone[1], wide)
-        if more is None or falling | more == names:
+        more = kept.unheld(names - falling, {*without, *falling}, FREE / 2, alone[1], wide)
+        if 2 * len(falling | more) > len(names):
             break
         if not more:
             return alone[0] | dict.fromkeys(names - falling, Fall(0.0, 0.0))
@@ -153,7 +151,7 @@ def _fallen(
         else:
             break
     seated = [part for c in contacts if (part := c.only(c.gaps <= SEATED)) is not None]
-    if not without and is_held(bodies, seated, FREE / 2, search, whole=True):
+    if kept is None and is_held(bodies, seated, FREE / 2, search, whole=not without):
         return dict.fromkeys(bodies, Fall(0.0, 0.0))
     return _sunk(bodies, contacts)[0]
 

@@ -23,11 +23,8 @@ NOTHING = 1e-9
 """Share of the weights left over that is rounding."""
 
 DAMPED = 1e-4
-"""Damping of the first step, as a share of the mean curvature, a tenth less in each, to a hundredth: without it the p of what
-is not held run away, and with all of it what is only just held takes hundreds of steps."""
-
-SETTLED = 0.001
-"""Change in a step, as a share of what is left over, below which no more forces are found."""
+"""Damping of the first step, as a share of the mean curvature, a tenth less in each, to a hundredth: without
+it the p of what is not held run away, and with all of it what is only just held takes hundreds of steps."""
 
 SMALL = 1 << 15
 """Numbers in the equations of an island up to which they are solved one force at a time (0.25 MB)."""
@@ -42,39 +39,17 @@ class Search:
 
     Attributes:
         duals: name -> (6,) dual variables, one for each force and torque on an object: where a search begins.
+        held: Forces that hold islands while everything is in place.
     """
 
     def __init__(self) -> None:
         """Nothing is known yet."""
         self.duals: dict[str, FloatArray] = {}
-        self._held: list[_Held] = []
+        self.held: list[_Held] = []
 
-    def keep(self, held: "_Held") -> None:
-        """Keep the forces that hold an island while everything is in place."""
-        self._held.append(held)
-
-    def unheld(
-        self,
-        left: frozenset[str],
-        away: Collection[str],
-        within: float,
-        pressing: Pressing = (),
-        wide: bool = False,
-    ) -> frozenset[str] | None:
-        """Which of what is left of an island the forces kept do not hold, of which some have to change.
-
-        Args:
-            left: Names of the objects that are left.
-            away: Names of those that are gone, or sink.
-            within: As for `is_held`.
-            pressing: What those that sink press on the others with.
-            wide: Whether all forces may change; else those around what is gone and below.
-
-        Returns:
-            Their names; None where no forces are kept that held the island.
-        """
-        kept = next((held for held in self._held if left <= held.names), None)
-        return None if kept is None else kept.unheld(left, away, within, pressing, wide)
+    def kept(self, left: frozenset[str]) -> "_Held | None":
+        """The forces kept that held the island of which some objects are left; None where there are none."""
+        return next((held for held in self.held if left <= held.names), None)
 
 
 def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict[str, float]:
@@ -151,7 +126,7 @@ def _large_is_held(
         return False
     search.duals.update(zip(weights, duals.reshape(-1, 6), strict=True))
     if whole:
-        search.keep(_Held(weights, contacts, matrix, forces, duals.reshape(-1, 6)))
+        search.held.append(_Held(weights, contacts, matrix, forces, duals.reshape(-1, 6)))
     return True
 
 
@@ -187,14 +162,17 @@ class _Held:
                     self._pushing[one].append(number)
 
     def unheld(
-        self,
-        left: frozenset[str],
-        away: Collection[str],
-        within: float,
-        pressing: Pressing,
-        wide: bool,
+        self, left: frozenset[str], away: Collection[str], within: float, pressing: Pressing, wide: bool
     ) -> frozenset[str]:
-        """Names of what is left that is not held: see `Search.unheld`."""
+        """Which of what is left the forces kept do not hold, of which some have to change.
+
+        Args:
+            left: Names of the objects that are left.
+            away: Names of those that are gone, or sink.
+            within: As for `is_held`.
+            pressing: What those that sink press on the others with.
+            wide: Whether all forces may change; else those around what is gone and below.
+        """
         near = left if wide else self._near(left, away, pressing)
         names = sorted(near, key=self._place.__getitem__)
         over = self._left_over(names, left, away, within, pressing).reshape(-1, 6)
@@ -216,7 +194,7 @@ class _Held:
     def _left_over(
         self,
         names: Sequence[str],
-        left: Collection[str],
+        left: frozenset[str],
         away: Collection[str],
         within: float,
         pressing: Pressing,
@@ -244,10 +222,8 @@ class _Held:
 
 def _pressed(weights: Mapping[str, Weight], pressing: Pressing) -> FloatArray:
     """(6 n,) what known forces do to some objects."""
-    if not pressing:
-        return np.zeros(6 * len(weights))
     rows, columns, values, _ = force_columns(weights, [contact for contact, _ in pressing])
-    forces = np.concatenate([each for _, each in pressing])
+    forces = np.concatenate([np.zeros(0), *(each for _, each in pressing)])
     return np.bincount(rows, weights=values * forces[columns], minlength=6 * len(weights))
 
 
@@ -279,8 +255,7 @@ def _least_forces(
         damping = (
             DAMPED * max(np.exp(-number / 10), 1 / 100) * min(1.0, most) * np.trace(curvature) / len(demand)
         )
-        curvature[np.diag_indices_from(curvature)] += damping
-        step = np.linalg.solve(curvature, left)
+        step = np.linalg.solve(curvature + damping * np.eye(len(demand)), left)
         gain, length = float(left @ step), 1.0
         while length > 1e-4:
             further, more = _pushed(matrix, demand, duals + length * step)
@@ -292,8 +267,8 @@ def _least_forces(
         before = left
         duals, value, forces = duals + length * step, further, more
         left = demand - matrix @ forces
-        if np.abs(left - before).max() < SETTLED * most:
-            break
+        if np.abs(left - before).max() < 1e-3 * most:
+            break  # no more forces are found
     return duals, forces, left
 
 

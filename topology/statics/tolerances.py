@@ -93,9 +93,9 @@ CARRIED = 0.01
 
 # -- holding
 
-STEPS = 60
-"""Steps in which forces on a large island are found, or not at all: mostly fifteen, fifty where a few of them
-carry all."""
+STEPS = 100
+"""Steps in which forces on a large island are found, or not at all: mostly fifteen, up to all where a few of
+them carry all."""
 
 
 # -- matter
