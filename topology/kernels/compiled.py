@@ -47,6 +47,7 @@ _SIGNATURES = {
     ),
     "heights_over": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY, _NUMBER, _ARRAY),
     "hollow_hull": (_NUMBER, *[_ARRAY, _COUNT] * 4, *[_NUMBER] * 4, _COUNT, _ARRAY),
+    "normal_sums": (None, *[_ARRAY] * 4, _COUNT, _COUNT, _ARRAY),
     "outline_corners": (_COUNT, _ARRAY, _COUNT, _ARRAY),
     "pinch_windows": (
         None, *[_ARRAY] * 2, _COUNT, *[_ARRAY] * 2, *[_COUNT] * 2, *[_ARRAY] * 2, _COUNT, _ARRAY, _COUNT,

@@ -19,9 +19,8 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.topology.base.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, equations, islands, rising
-from topple.topology.statics.holding import Search, holds_besides, is_held
+from topple.topology.statics.holding import Pressing, Search, is_held
 from topple.topology.statics.tolerances import (
-    ALONE,
     CONE_EDGES,
     FARTHEST,
     FREE,
@@ -107,45 +106,53 @@ def falls(
     """
     left = {name: weight for name, weight in rising(weights).items() if name not in without}
     near = [c for c in contacts if c.a not in without and c.b not in without]
-    lowest = min((weights[name].centre[2] for name in without if name in weights), default=np.inf)
-    stood = {name for name in beside or () if name in left and left[name].centre[2] > lowest}
     found: dict[str, Fall] = {}
     for island in islands(left, near, beside):
         bodies = {name: weight for name, weight in left.items() if name in island}
         holding = [c for c in near if c.a in island or c.b in island]
-        # Within half of what is free every motion costs more than it gains.
-        held = search.holds_without(island, without, FREE / 2) if without and search is not None else None
-        if held is None:
-            seated = [part for c in holding if (part := c.only(c.gaps <= SEATED)) is not None]
-            held = is_held(bodies, seated, FREE / 2, search, whole=not without)
-        found |= dict.fromkeys(bodies, Fall(0.0, 0.0)) if held else _fallen(bodies, holding, stood, search)
+        found |= _fallen(bodies, holding, without, search)
     return {name: found[name] for name in weights if name in found}
 
 
 def _fallen(
-    bodies: Mapping[str, Weight], contacts: Sequence[Contact], stood: Collection[str], search: Search | None
+    bodies: Mapping[str, Weight], contacts: Sequence[Contact], without: Collection[str], search: Search | None
 ) -> dict[str, Fall]:
-    """How far the bodies of an island sink, from which something was taken away beside some of them.
+    """How far the bodies of an island sink, from which something may have been taken away.
 
-    What falls stood on what is gone, or leant on it, or is above such a body. How far it sinks a programme
-    says in which all others are fixed. Where forces hold these that leave less than half of the free share
-    over, pressed as they are by what sinks, no motion of theirs is part of a best answer: the programme of
-    all has the same ones.
+    What falls is what forces do not hold. How far it sinks a programme says in which all others are fixed, as
+    long as these are most: it grows with the cube of the bodies. Where forces hold these that leave less
+    than half of the free share over, pressed as they are by what sinks, no motion of theirs is part of a best
+    answer: the programme of all has the same ones. Where they do not, what is not held falls as well.
 
     Args:
         bodies: The objects that are left, rising.
         contacts: Patches between them and with anything fixed.
-        stood: Those that met what is gone from above.
-        search: Where searches for forces begin; None: the programme of all is solved.
+        without: Names that are gone.
+        search: Where searches for forces begin, and what holds an island of which nothing is gone.
     """
-    falling = _above(bodies, contacts, stood)
-    if search is not None and 0 < len(falling) <= ALONE * len(bodies):
-        found, pressing = _sunk_alone(falling, bodies, contacts)
-        rest = {name: weight for name, weight in bodies.items() if name not in falling}
-        others = [c for c in contacts if c.a not in falling and c.b not in falling]
-        seated = [part for c in others if (part := c.only(c.gaps <= SEATED)) is not None]
-        if holds_besides(rest, seated, pressing, FREE / 2, search):
-            return found | dict.fromkeys(rest, Fall(0.0, 0.0))
+    names, falling = frozenset(bodies), frozenset[str]()
+    alone: tuple[dict[str, Fall], Pressing] = {}, ()
+    kept = search.kept(names) if without and search is not None else None
+    wide = False
+    while kept is not None:
+        # Within half of what is free every motion costs more than it gains.
+        more = kept.unheld(names - falling, {*without, *falling}, FREE / 2, alone[1], wide)
+        if 2 * len(falling | more) > len(names):
+            break
+        if not more:
+            return alone[0] | dict.fromkeys(names - falling, Fall(0.0, 0.0))
+        tried = _sunk_alone(falling | more, bodies, contacts)
+        sinking = frozenset(name for name in more if tried[0][name] != Fall(0.0, 0.0))
+        if sinking:
+            falling, wide = falling | sinking, False
+            alone = tried if sinking == more else _sunk_alone(falling, bodies, contacts)
+        elif not wide:
+            wide = True  # others carry them, with forces that change further away
+        else:
+            break
+    seated = [part for c in contacts if (part := c.only(c.gaps <= SEATED)) is not None]
+    if kept is None and is_held(bodies, seated, FREE / 2, search, whole=not without):
+        return dict.fromkeys(bodies, Fall(0.0, 0.0))
     return _sunk(bodies, contacts)[0]
 
 
@@ -158,25 +165,6 @@ def _sunk_alone(
     each = np.split(forces, np.cumsum([CONE_EDGES * len(c.gaps) for c in concerned])[:-1])
     pairs = zip(concerned, each, strict=True)
     return found, [(c, f) for c, f in pairs if {c.a, c.b} & bodies.keys() - set(falling)]
-
-
-def _above(
-    bodies: Mapping[str, Weight], contacts: Sequence[Contact], beside: Collection[str]
-) -> frozenset[str]:
-    """Some bodies and all that meets them or others of these from above."""
-    lower: dict[str, set[str]] = {}
-    place = {name: i for i, name in enumerate(bodies)}  # rising
-    for contact in contacts:
-        if contact.a in place and contact.b in place:
-            low, high = sorted((contact.a, contact.b), key=place.__getitem__)
-            lower.setdefault(low, set()).add(high)
-    found = {name for name in beside if name in place}
-    border = list(found)
-    while border:
-        more = lower.get(border.pop(), set()) - found
-        found |= more
-        border += more
-    return frozenset(found)
 
 
 def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> tuple[dict[str, Fall], FloatArray]:

@@ -14,6 +14,7 @@ from scipy.optimize import nnls
 from scipy.sparse import csc_array
 
 from topple.topology.base.arrays import FloatArray, IntArray
+from topple.topology.kernels.normal import normal_sums
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, balance, demanded, force_columns, islands, rising
 from topple.topology.statics.tolerances import CONE_EDGES, STEPS
@@ -21,8 +22,16 @@ from topple.topology.statics.tolerances import CONE_EDGES, STEPS
 NOTHING = 1e-9
 """Share of the weights left over that is rounding."""
 
+DAMPED = 1e-4
+"""Damping of the first step, as a share of the mean curvature, a tenth less in each, to a hundredth: without
+it the p of what is not held run away, and with all of it what is only just held takes hundreds of steps."""
+
 SMALL = 1 << 15
 """Numbers in the equations of an island up to which they are solved one force at a time (0.25 MB)."""
+
+
+Pressing = Sequence[tuple[Contact, FloatArray]]
+"""Patches, and (k * edges,) what is pressed with along each edge of their friction pyramids."""
 
 
 class Search:
@@ -30,30 +39,17 @@ class Search:
 
     Attributes:
         duals: name -> (6,) dual variables, one for each force and torque on an object: where a search begins.
+        held: Forces that hold islands while everything is in place.
     """
 
     def __init__(self) -> None:
         """Nothing is known yet."""
         self.duals: dict[str, FloatArray] = {}
-        self._held: list[_Held] = []
+        self.held: list[_Held] = []
 
-    def keep(self, held: "_Held") -> None:
-        """Keep the forces that hold an island while everything is in place."""
-        self._held.append(held)
-
-    def holds_without(self, island: frozenset[str], away: Collection[str], within: float) -> bool | None:
-        """Whether what is left of an island is held by the forces kept, of which some have to change.
-
-        Args:
-            island: Names of the objects that are left.
-            away: Names of those that are gone.
-            within: As for `is_held`.
-
-        Returns:
-            Whether such forces were found; None where none are kept that held it.
-        """
-        kept = next((held for held in self._held if island <= held.names), None)
-        return None if kept is None else kept.without(island, away, within)
+    def kept(self, left: frozenset[str]) -> "_Held | None":
+        """The forces kept that held the island of which some objects are left; None where there are none."""
+        return next((held for held in self.held if left <= held.names), None)
 
 
 def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict[str, float]:
@@ -125,43 +121,13 @@ def _large_is_held(
     """Whether forces are found that hold a large island."""
     search = Search() if search is None else search
     duals = np.concatenate([search.duals.get(name, np.zeros(6)) for name in weights])
-    found = _least_forces(matrix, demanded(6 * len(weights)), duals, within)
-    if found is None:
+    duals, forces, left = _least_forces(matrix, demanded(6 * len(weights)), duals, within)
+    if np.abs(left).max() >= within:
         return False
-    duals, forces = found
     search.duals.update(zip(weights, duals.reshape(-1, 6), strict=True))
     if whole:
-        search.keep(_Held(tuple(weights), contacts, matrix, forces, duals.reshape(-1, 6)))
+        search.held.append(_Held(weights, contacts, matrix, forces, duals.reshape(-1, 6)))
     return True
-
-
-def holds_besides(
-    weights: Mapping[str, Weight],
-    contacts: Sequence[Contact],
-    pressing: Sequence[tuple[Contact, FloatArray]],
-    within: float,
-    search: Search,
-) -> bool:
-    """Whether forces were found that hold objects on which others press with known forces.
-
-    Args:
-        weights: The objects that can move.
-        contacts: Patches between them and with anything fixed.
-        pressing: Other patches, and (k * edges,) what is pressed with along each edge of their pyramids.
-        within: As for `is_held`.
-        search: Where the search begins.
-    """
-    rows, columns, values, count = force_columns(weights, contacts)
-    demand = demanded(6 * len(weights))
-    if pressing:
-        there, which, weight, _ = force_columns(weights, [contact for contact, _ in pressing])
-        forces = np.concatenate([each for _, each in pressing])
-        demand = demand - np.bincount(there, weights=weight * forces[which], minlength=len(demand))
-    if not count:
-        return bool(np.abs(demand).max(initial=0.0) < within)
-    matrix = csc_array((values, (rows, columns)), shape=(len(demand), count))
-    duals = np.concatenate([search.duals.get(name, np.zeros(6)) for name in weights])
-    return _least_forces(matrix, demand, duals, within) is not None
 
 
 class _Held:
@@ -173,88 +139,123 @@ class _Held:
 
     def __init__(
         self,
-        names: tuple[str, ...],
+        weights: Mapping[str, Weight],
         contacts: Sequence[Contact],
         matrix: csc_array,
         forces: FloatArray,
         duals: FloatArray,
     ) -> None:
         """Keep the equations of an island, see `force_columns`, and what solves them."""
-        self.names = frozenset(names)
-        self._place = {name: i for i, name in enumerate(names)}
+        self.names = frozenset(weights)
+        self._weights = weights
+        self._place = {name: i for i, name in enumerate(weights)}
         self._matrix, self._forces, self._duals = matrix, forces, duals
         ends = np.cumsum([CONE_EDGES * len(contact.gaps) for contact in contacts])
         self._columns = [np.arange(*span) for span in pairwise([0, *ends.tolist()])]
         self._sides = [(contact.a, contact.b) for contact in contacts]
-        self._meeting: dict[str, set[str]] = {name: set() for name in names}
-        self._pushing: dict[str, list[int]] = {name: [] for name in names}
+        self._meeting: dict[str, set[str]] = {name: set() for name in weights}
+        self._pushing: dict[str, list[int]] = {name: [] for name in weights}
         for number, (a, b) in enumerate(self._sides):
             for one, other in ((a, b), (b, a)):
                 if one in self._place:
                     self._meeting[one].add(other)
                     self._pushing[one].append(number)
 
-    def without(self, island: frozenset[str], away: Collection[str], within: float) -> bool:
-        """Whether what is left of it is held: see `Search.holds_without`."""
-        near = {name for name in island if not self._meeting[name].isdisjoint(away)}
-        if not near:
-            return True  # no force is gone
-        near |= set[str]().union(*(self._meeting[name] for name in near)) & island
+    def unheld(
+        self, left: frozenset[str], away: Collection[str], within: float, pressing: Pressing, wide: bool
+    ) -> frozenset[str]:
+        """Which of what is left the forces kept do not hold, of which some have to change.
+
+        Args:
+            left: Names of the objects that are left.
+            away: Names of those that are gone, or sink.
+            within: As for `is_held`.
+            pressing: What those that sink press on the others with.
+            wide: Whether all forces may change; else those around what is gone and below.
+        """
+        near = left if wide else self._near(left, away, pressing)
+        names = sorted(near, key=self._place.__getitem__)
+        over = self._left_over(names, left, away, within, pressing).reshape(-1, 6)
+        return frozenset(names[i] for i in np.flatnonzero(np.abs(over).max(axis=1) >= within))
+
+    def _near(self, left: frozenset[str], away: Collection[str], pressing: Pressing) -> set[str]:
+        """What meets something that is gone or presses, what meets that, and all that is below it."""
+        near = {name for name in left if not self._meeting[name].isdisjoint(away)}
+        near |= {name for contact, _ in pressing for name in (contact.a, contact.b) if name in left}
+        near |= set[str]().union(*(self._meeting[name] for name in near)) & left
         border = list(near)
         while border:  # what was carried weighs on all that is below no more
             name = border.pop()
-            below = {n for n in self._meeting[name] & island if self._place[n] < self._place[name]} - near
+            below = {n for n in self._meeting[name] & left if self._place[n] < self._place[name]} - near
             near |= below
             border += below
-        return self._balanced_anew(near, island, away, within)
+        return near
 
-    def _balanced_anew(
-        self, near: Collection[str], island: frozenset[str], away: Collection[str], within: float
-    ) -> bool:
-        """Whether other forces hold some of what is left, while those on all the rest stay as they are."""
-        names = sorted(near, key=self._place.__getitem__)
+    def _left_over(
+        self,
+        names: Sequence[str],
+        left: frozenset[str],
+        away: Collection[str],
+        within: float,
+        pressing: Pressing,
+    ) -> FloatArray:
+        """What forces leave over on some of what is left, while those on all the rest stay as they are."""
         free: list[IntArray] = []
         kept: list[IntArray] = []
         for number in sorted(set[int]().union(*(self._pushing[name] for name in names))):
             sides = self._sides[number]
             if not any(side in away for side in sides):
-                outside = any(side in island and side not in near for side in sides)
+                outside = any(side in left and side not in names for side in sides)
                 (kept if outside else free).append(self._columns[number])
-        if not free:
-            return False
         places = np.array([self._place[name] for name in names])
         rows = (6 * places[:, None] + np.arange(6)).ravel()
         demand = demanded(len(rows))
         if kept:
             columns = np.concatenate(kept)
             demand -= (self._matrix[:, columns] @ self._forces[columns])[rows]
+        demand -= _pressed({name: self._weights[name] for name in names}, pressing)
+        if not free:  # nothing is gone that met any, or nothing carries them
+            return demand
         matrix = csc_array(self._matrix[:, np.concatenate(free)].tocsr()[rows])
-        return _least_forces(matrix, demand, self._duals[places].ravel(), within) is not None
+        return _least_forces(matrix, demand, self._duals[places].ravel(), within)[2]
+
+
+def _pressed(weights: Mapping[str, Weight], pressing: Pressing) -> FloatArray:
+    """(6 n,) what known forces do to some objects."""
+    rows, columns, values, _ = force_columns(weights, [contact for contact, _ in pressing])
+    forces = np.concatenate([np.zeros(0), *(each for _, each in pressing)])
+    return np.bincount(rows, weights=values * forces[columns], minlength=6 * len(weights))
 
 
 def _least_forces(
     matrix: csc_array, demand: FloatArray, duals: FloatArray, within: float
-) -> tuple[FloatArray, FloatArray] | None:
-    """The least forces x >= 0 with matrix @ x = demand and the p they belong to, if they are found.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The least forces x >= 0 with matrix @ x = demand and the p they belong to, as far as they are found.
 
     They are the positive part of matrix.T @ p for the p that maximises demand @ p - |x|² / 2: a concave
-    problem without bounds, which Newton's method solves with few of the forces at a time.
+    problem without bounds, which Newton's method solves with few of the forces at a time. Where no forces
+    give what is demanded p grows without end, and what is left over settles on the objects that sink.
 
     Args:
         matrix: (6 n, forces) what each force does.
         demand: (6 n,) what they have to give.
         duals: (6 n,) the p to begin with.
         within: How much of any demand may be left over.
+
+    Returns:
+        The p, the forces and (6 n,) what they leave over.
     """
     value, forces = _pushed(matrix, demand, duals)
-    for _ in range(STEPS):
-        left = demand - matrix @ forces
-        if np.abs(left).max() < within:
-            return duals, forces
-        pushing = matrix[:, np.flatnonzero(forces)] if forces.any() else matrix
-        curvature = (pushing @ pushing.T).toarray()
-        curvature += 1e-6 * np.trace(curvature) / len(demand) * np.eye(len(demand))
-        step = np.linalg.solve(curvature, left)
+    left = demand - matrix @ forces
+    for number in range(STEPS):
+        most = np.abs(left).max()
+        if most < within:
+            break
+        curvature = normal_sums(matrix, forces if forces.any() else np.ones(len(forces)))
+        damping = (
+            DAMPED * max(np.exp(-number / 10), 1 / 100) * min(1.0, most) * np.trace(curvature) / len(demand)
+        )
+        step = np.linalg.solve(curvature + damping * np.eye(len(demand)), left)
         gain, length = float(left @ step), 1.0
         while length > 1e-4:
             further, more = _pushed(matrix, demand, duals + length * step)
@@ -262,9 +263,13 @@ def _least_forces(
                 break
             length /= 2
         else:
-            return None
+            break
+        before = left
         duals, value, forces = duals + length * step, further, more
-    return None
+        left = demand - matrix @ forces
+        if np.abs(left - before).max() < 1e-3 * most:
+            break  # no more forces are found
+    return duals, forces, left
 
 
 def _pushed(matrix: csc_array, demand: FloatArray, duals: FloatArray) -> tuple[float, FloatArray]:

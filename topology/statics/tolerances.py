@@ -19,9 +19,6 @@ CONE_EDGES = 6
 
 # -- falling
 
-ALONE = 0.7
-"""Share of an island up to which what falls is asked about alone: programmes grow with their cube."""
-
 FARTHEST = 0.02
 """Displacement [m] at which a body is followed no further: twice what counts as a move."""
 
@@ -96,9 +93,9 @@ CARRIED = 0.01
 
 # -- holding
 
-STEPS = 20
-"""Steps in which forces on a large island are found, or not at all: cold it takes some fifteen, and seven
-from those that held it before something was taken away."""
+STEPS = 100
+"""Steps in which forces on a large island are found, or not at all: mostly fifteen, up to all where a few of
+them carry all."""
 
 
 # -- matter

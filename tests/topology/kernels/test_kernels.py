@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import random_array
 
 from topple.topology.base.arrays import bounds
 from topple.topology.bodies.parts import convex_parts
@@ -15,6 +16,7 @@ from topple.topology.kernels.closest import closest_places
 from topple.topology.kernels.continued import continued, planes_around
 from topple.topology.kernels.heights import heights_over
 from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.normal import normal_sums
 from topple.topology.kernels.outline import outline_corners
 from topple.topology.kernels.pieces import pieces_of_links
 from topple.topology.kernels.planes import patch_planes
@@ -182,6 +184,15 @@ def test_planes_are_those_of_eigenvectors(monkeypatch, size):
     told = expected[:, 1] - expected[:, 0] > 1e-3 * largest[:, 0]  # one direction is the least
     assert size < 3 or told.sum() > 100
     assert (np.abs(np.einsum("pk,pk->p", normals, axes))[told] > 1 - 1e-10).all()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (12, 0), (60, 900)])
+def test_normal_sums_are_those_of_a_sparse_product(monkeypatch, shape):
+    matrix = random_array(shape, density=0.1, format="csc", random_state=0)
+    weights = RNG.normal(size=shape[1])
+    ours = normal_sums(matrix, weights)
+    monkeypatch.setenv(compiled.VARIABLE, "numpy")
+    assert ours == pytest.approx(normal_sums(matrix, weights), abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ["one", "coincident", "on a line", "in a plane"])
