@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 from scipy.sparse import csc_array
 
 from topple.topology.base.arrays import FloatArray, IntArray
-from topple.topology.kernels.normal import normal_sums
+from topple.topology.kernels.compiled import address, kernels
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, balance, demanded, force_columns, islands, rising
 from topple.topology.statics.tolerances import CONE_EDGES, STEPS
@@ -173,8 +173,7 @@ class _Held:
             pressing: What those that sink press on the others with.
             wide: Whether all forces may change; else those around what is gone and below.
         """
-        near = left if wide else self._near(left, away, pressing)
-        names = sorted(near, key=self._place.__getitem__)
+        names = sorted(left if wide else self._near(left, away, pressing), key=self._place.__getitem__)
         over = self._left_over(names, left, away, within, pressing).reshape(-1, 6)
         return frozenset(names[i] for i in np.flatnonzero(np.abs(over).max(axis=1) >= within))
 
@@ -224,7 +223,8 @@ def _pressed(weights: Mapping[str, Weight], pressing: Pressing) -> FloatArray:
     """(6 n,) what known forces do to some objects."""
     rows, columns, values, _ = force_columns(weights, [contact for contact, _ in pressing])
     forces = np.concatenate([np.zeros(0), *(each for _, each in pressing)])
-    return np.bincount(rows, weights=values * forces[columns], minlength=6 * len(weights))
+    done = np.bincount(rows, weights=values * forces[columns], minlength=6 * len(weights))
+    return np.asarray(done, dtype=np.float64)
 
 
 def _least_forces(
@@ -251,7 +251,7 @@ def _least_forces(
         most = np.abs(left).max()
         if most < within:
             break
-        curvature = normal_sums(matrix, forces if forces.any() else np.ones(len(forces)))
+        curvature = normal_sums(matrix, len(demand), forces if forces.any() else np.ones(len(forces)))
         damping = (
             DAMPED * max(np.exp(-number / 10), 1 / 100) * min(1.0, most) * np.trace(curvature) / len(demand)
         )
@@ -264,9 +264,8 @@ def _least_forces(
             length /= 2
         else:
             break
-        before = left
+        before, left = left, demand - matrix @ more
         duals, value, forces = duals + length * step, further, more
-        left = demand - matrix @ forces
         if np.abs(left - before).max() < 1e-3 * most:
             break  # no more forces are found
     return duals, forces, left
@@ -276,3 +275,25 @@ def _pushed(matrix: csc_array, demand: FloatArray, duals: FloatArray) -> tuple[f
     """How good a p is, and the forces that belong to it."""
     forces = np.maximum(matrix.T @ duals, 0.0)
     return float(demand @ duals - forces @ forces / 2), forces
+
+
+def normal_sums(matrix: csc_array, height: int, weights: FloatArray) -> FloatArray:
+    """The product of some columns of a matrix with their transpose.
+
+    Args:
+        matrix: (n, m) sparse, of few entries a column.
+        height: Its rows n.
+        weights: (m,) which columns count: those above 0.
+
+    Returns:
+        (n, n) dense: the twin's to rounding.
+    """
+    compiled = kernels()
+    if compiled is None:
+        chosen = csc_array(matrix[:, np.flatnonzero(weights > 0)])
+        return np.asarray((chosen @ chosen.T).toarray(), dtype=np.float64)
+    sums = np.zeros((height, height))
+    sparse = [np.ascontiguousarray(each, dtype=np.int32) for each in (matrix.indptr, matrix.indices)]
+    dense = [np.ascontiguousarray(each, dtype=np.float64) for each in (matrix.data, weights)]
+    compiled.normal_sums(*map(address, sparse + dense), len(weights), len(sums), address(sums))
+    return sums

@@ -16,12 +16,12 @@ from topple.topology.kernels.closest import closest_places
 from topple.topology.kernels.continued import continued, planes_around
 from topple.topology.kernels.heights import heights_over
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.kernels.normal import normal_sums
 from topple.topology.kernels.outline import outline_corners
 from topple.topology.kernels.pieces import pieces_of_links
 from topple.topology.kernels.planes import patch_planes
 from topple.topology.kernels.spheres import sphere_nearest
 from topple.topology.kernels.triangles import draw_triangles
+from topple.topology.statics.holding import normal_sums
 from topple.topology.views.borders import Picture
 
 pytestmark = pytest.mark.skipif(compiled.kernels() is None, reason="no kernels were compiled here")
@@ -190,9 +190,9 @@ def test_planes_are_those_of_eigenvectors(monkeypatch, size):
 def test_normal_sums_are_those_of_a_sparse_product(monkeypatch, shape):
     matrix = random_array(shape, density=0.1, format="csc", random_state=0)
     weights = RNG.normal(size=shape[1])
-    ours = normal_sums(matrix, weights)
+    ours = normal_sums(matrix, shape[0], weights)
     monkeypatch.setenv(compiled.VARIABLE, "numpy")
-    assert ours == pytest.approx(normal_sums(matrix, weights), abs=1e-12)
+    assert ours == pytest.approx(normal_sums(matrix, shape[0], weights), abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ["one", "coincident", "on a line", "in a plane"])
