@@ -199,12 +199,12 @@ class _Held:
         pressing: Pressing,
     ) -> FloatArray:
         """What forces leave over on some of what is left, while those on all the rest stay as they are."""
-        free: list[IntArray] = []
+        inside, free = set(names), list[IntArray]()
         kept: list[IntArray] = []
         for number in sorted(set[int]().union(*(self._pushing[name] for name in names))):
             sides = self._sides[number]
             if not any(side in away for side in sides):
-                outside = any(side in left and side not in names for side in sides)
+                outside = any(side in left and side not in inside for side in sides)
                 (kept if outside else free).append(self._columns[number])
         places = np.array([self._place[name] for name in names])
         rows = (6 * places[:, None] + np.arange(6)).ravel()
@@ -252,9 +252,7 @@ def _least_forces(
         if most < within:
             break
         curvature = normal_sums(matrix, len(demand), forces if forces.any() else np.ones(len(forces)))
-        damping = (
-            DAMPED * max(np.exp(-number / 10), 1 / 100) * min(1.0, most) * np.trace(curvature) / len(demand)
-        )
+        damping = DAMPED * max(np.exp(-number / 10), 1 / 100) * min(1.0, most) * np.diag(curvature).mean()
         step = np.linalg.solve(curvature + damping * np.eye(len(demand)), left)
         gain, length = float(left @ step), 1.0
         while length > 1e-4:
