@@ -1,6 +1,5 @@
 """What predicates answer of real worlds of MuJoCo and PyBullet, and of scenes: three values, physically."""
 
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -201,8 +200,7 @@ def test_scenes_say_what_statics_says_and_not_what_no_camera_saw() -> None:
         On("mug", "book")("scene.npz")
 
 
-def test_twenty_bodies_are_answered_within_five_milliseconds(client: int) -> None:
-    """Of both simulators; the median of calls, of processor time."""
+def test_piles_of_twenty_bodies_are_answered_in_both_simulators(client: int) -> None:
     import pybullet
 
     bullet_box(client, (1, 1, 0.1), (0, 0, -0.1), 0.0)
@@ -215,13 +213,7 @@ def test_twenty_bodies_are_answered_within_five_milliseconds(client: int) -> Non
         for k in range(20)
     )
     for names, world in ((("body_2", "body_1"), (client,)), (("b1", "b0"), mujoco_world(piles))):
-        for predicate in (On(*names), In(*names), Supports(*names[::-1]), Clear(names[1]), Stable(names[0])):
-            took: list[float] = []
-            for _ in range(9):
-                start = time.process_time()
-                answer = predicate(*world)
-                took.append(time.process_time() - start)
-            assert answer is not None
-            assert np.median(took) < 0.005, predicate
+        said = (On(*names), In(*names), Supports(*names[::-1]), Clear(names[1]), Stable(names[0]))
+        assert [predicate(*world) for predicate in said] == [True, False, True, False, True]
     state = State.of(client)
     assert On("body_2", "body_1")(state) is True
