@@ -13,9 +13,10 @@ from functools import cache
 from pathlib import Path
 
 from topple.topology.base.errors import InvalidInput
+from topple.topology.kernels.build import FOLDER, library, sources
 
 LAYERS = ("topology", "robots", "planner")
-FRONT = "planner/topple.py"
+FRONT, BUILD = "planner/topple.py", "build.py"
 ROOT = Path(__file__).resolve().parents[1]
 """The checkout, or where the packages are installed."""
 
@@ -116,6 +117,10 @@ def _files(root: Path) -> list[Path]:
     return [path for path in found if "__pycache__" not in path.parts and path.suffix != ".so"]
 
 
+def _same(ours: Path, theirs: Path) -> bool:
+    return theirs.is_file() and theirs.read_bytes() == ours.read_bytes()
+
+
 def _kept(root: Path, name: str, cache: Path) -> Version:
     """Copy the packages below a folder into the cache, unless they are there."""
     version = Version(name, key := code_key(root), cache.resolve() / key)
@@ -128,7 +133,10 @@ def _kept(root: Path, name: str, cache: Path) -> Version:
             shutil.copyfile(path, place)
         front = root / FRONT
         (package / "__init__.py").write_text(front.read_text() if front.is_file() else "")
-        if (kernels := package / "topology" / "kernels" / "build.py").is_file():
-            subprocess.run([sys.executable, str(kernels)], check=False)
+        kernels, built = package / "topology" / "kernels", library()
+        if built.is_file() and all(_same(path, kernels / path.name) for path in (*sources(), FOLDER / BUILD)):
+            shutil.copyfile(built, kernels / built.name)
+        elif (kernels / BUILD).is_file():
+            subprocess.run([sys.executable, str(kernels / BUILD)], check=False)
         scratch.rename(version.folder)
     return version
