@@ -112,7 +112,7 @@ class Parser(argparse.ArgumentParser):
         self.error("; ".join(filter(None, [f"unrecognized arguments: {' '.join(unknown)}", meant.strip()])))
 
 
-class ShowCompletion(argparse.Action):
+class _ShowCompletion(argparse.Action):
     """Prints a shell's completion script; every command's options are read for it."""
 
     def __call__(self, parser: argparse.ArgumentParser, _: object, shell: object, *__: object) -> None:
@@ -227,7 +227,7 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
     )
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print version and kernels, and leave")
     told = "print a shell's completion script and leave"
-    parser.add_argument("--completion", action=ShowCompletion, choices=("bash", "zsh"), help=told)
+    parser.add_argument("--completion", action=_ShowCompletion, choices=("bash", "zsh"), help=told)
     actions = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     commands: dict[str, Parser] = {}
     for name, purpose in COMMANDS.items():

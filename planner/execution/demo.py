@@ -19,10 +19,11 @@ from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import plan_to_json
-from topple.planner.planning.step import Context, Orderer, Station, Task, order_by
+from topple.planner.planning.step import Context, Orderer, Task, order_by
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
 from topple.planner.report.run_page import run_page
+from topple.planner.transfer.checks import Station
 from topple.robots import scenario
 from topple.robots.catalog import robot as robot_named
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, fixture_in

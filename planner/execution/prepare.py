@@ -160,5 +160,5 @@ def _prove(seen: bytes) -> Prepared | None:
         return None
     (asked, step), situation = _chosen, Situation(pickle.loads(seen))
     station = asked.context.station
-    found = recertified(step.transfer, situation, station.arm, station.pose_base_to_world)
+    found = recertified(step.transfer, situation, station)
     return None if found is None else Prepared(replace(step, transfer=found), asked.task, situation.solids)

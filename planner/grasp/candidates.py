@@ -10,6 +10,7 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.shape import Shape, Sought, coming_unseen, shapes_of
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -28,6 +29,7 @@ def grasp_candidates(
     limit: int = 60,
     enough: float = np.inf,
     dropped: Dropped | None = None,
+    out: FloatArray | None = None,
 ) -> list[Grasp]:
     """Find where an object can be taken hold of in its present surroundings.
 
@@ -47,6 +49,7 @@ def grasp_candidates(
         enough: Once so many pinches are found that brush by nothing no further points of the object are
             tried: those around its centre of mass come first.
         dropped: Takes down what is left out and why, if given.
+        out: (3,) unit vector against which fingers come in; the way out of the object where None.
 
     Returns:
         Grasps in the world, best first, those that come in through space that no camera saw to be empty after
@@ -65,7 +68,7 @@ def grasp_candidates(
     if not tools:
         raise InvalidInput("nothing to grasp with: give an arm with tools, or tools")
     dropped = Dropped() if dropped is None else dropped
-    sought = Sought.of(name, situation, dropped, enough)
+    sought = Sought.of(name, situation, dropped, enough, out)
     mass, friction = scene.masses.get(name), scene.friction.get(name)
     strong = list[Shape]()
     for shape in tools:

@@ -66,6 +66,7 @@ class Sought:
         situation: "Situation",
         dropped: Dropped | None = None,
         enough: float = np.inf,
+        out: FloatArray | None = None,
     ) -> "Sought":
         """Look for grasps of an object in a situation; what was given of its weight and friction counts."""
         scene, up = situation.scene, situation.up
@@ -78,7 +79,7 @@ class Sought:
         tolerances = replace(GRASP_TOLERANCES, friction=friction)
         solid = [Hull.of(part) for part in situation.solids[name]]
         dropped = Dropped() if dropped is None else dropped
-        out = situation.way_out(name)
+        out = situation.way_out(name) if out is None else out
         return cls(name, scene.clouds[name], surface, solid, around, up, out, tolerances, dropped, enough)
 
 

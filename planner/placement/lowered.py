@@ -6,7 +6,7 @@ from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.stacking import heights_of, underside
-from topple.planner.placement.tolerances import CELL, CONTACT, SKIN
+from topple.planner.placement.tolerances import CELL, CONTACT, OFF_BOARD, SKIN
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.bodies.solids import centre_in, hull_vertices
 from topple.topology.bodies.tops import tops_of
@@ -43,7 +43,8 @@ def _down(name: str, situation: Situation, pose: FloatArray) -> Placement | None
     axes = np.stack(level_axes(up))
     body = np.vstack([voxel_means(scene.clouds[name], CELL), sampled(solids[name], CELL)])
     body = transformed(body, pose)
-    ceiling = float((body @ up).max()) + PLACEMENT_TOLERANCES.headroom
+    slides = float(situation.way_from(body) @ up) < 0.5
+    ceiling = float((body @ up).max()) + (OFF_BOARD if slides else PLACEMENT_TOLERANCES.headroom)
     heights = heights_of(scene, up, leave_out=name, ceiling=ceiling)
     level, height = underside(body @ axes.T, body @ up)
     top, owner = _with_boards(*heights.look_up(level), level, scene, up)

@@ -39,6 +39,12 @@ SKIN = 0.01
 """What reaches no further above a top is the top itself, or below it: depth noise [m]."""
 
 
+# -- lowered, and what slides in and out of shelves
+
+OFF_BOARD = 0.02
+"""What slides is lifted by so much [m]: it does not drag, and boards are no more uneven."""
+
+
 # -- placement
 
 SPARE_SHARE = 8

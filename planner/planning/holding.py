@@ -10,9 +10,10 @@ from topple.planner.decide.goal import Action
 from topple.planner.decide.hold import Hold
 from topple.planner.failure import FailureLog, TransferFailure
 from topple.planner.motion.other_arm import arm_bodies, surface_points
-from topple.planner.planning.step import Context, NextStep, Station
+from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import APART, GRIPS
 from topple.planner.planning.transfers import Transfers
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.grip import Grips, letting_go
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.prediction import after
@@ -169,10 +170,7 @@ class HoldPlanner:
 
     def _handling(self, holder: Station, beside: Solids, situation: Situation) -> Handling:
         """What is asked about what one arm holds, with the bodies of the other arm beside it."""
-        return Handling(
-            self.hold.object, situation, holder.arm, holder.pose_base_to_world,
-            seed=self.context.seed, obstacles=beside,
-        )  # fmt: skip
+        return Handling(self.hold.object, situation, holder, seed=self.context.seed, obstacles=beside)
 
     def _holding(self, holder: Station, grip: Transfer) -> Solids:
         """The bodies of the arm that holds."""

@@ -18,8 +18,9 @@ from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import check_clamped, check_known, check_masks, ordered
 from topple.planner.planning.plan_format import Plan
 from topple.planner.planning.start import check_start
-from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
+from topple.planner.planning.step import Context, NextStep, Orderer, Task
 from topple.planner.planning.tolerances import TRIES
+from topple.planner.transfer.checks import Station
 from topple.planner.verify.claims import SEEN_ORDER
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named

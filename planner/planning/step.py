@@ -14,8 +14,8 @@ from topple.planner.placement.away import Receiver
 from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.simulate.sandbox import Sandbox
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.base.plugins import Table
@@ -71,21 +71,6 @@ class NextStep:
     def all_fallbacks(self) -> tuple[Fallback, ...]:
         """Everything that it stands on."""
         return (*self.fallbacks, *self.transfer.fallbacks)
-
-
-@dataclass(frozen=True, eq=False)
-class Station:
-    """The arm as it stands before a step.
-
-    Attributes:
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
-        q: (n,) its joint values [rad].
-    """
-
-    arm: Arm
-    pose_base_to_world: FloatArray
-    q: FloatArray
 
 
 @dataclass(frozen=True, eq=False)

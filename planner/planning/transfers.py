@@ -19,7 +19,7 @@ from topple.planner.planning.step import Context
 from topple.planner.planning.tolerances import BESIDE, MORE_PLACES
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
-from topple.planner.transfer.transfer import NO_PLACE, Transfer, no_grasp, plan_transfer
+from topple.planner.transfer.transfer import NO_PLACE, Transfer, TransferRequest, no_grasp, plan_transfer
 from topple.robots.arm.home import scale_of, workplace_of
 from topple.robots.collision.fcl_bodies import apart
 from topple.topology.base.arrays import FloatArray
@@ -91,24 +91,23 @@ class Transfers:
         """
         if name in self.context.given_up:
             return self._refused(name)
-        context, station = self.context, self.context.station
+        context = self.context
         places = [place for place in places if not any(map(place.same, context.barred))] or places
         grasps, refused = self._own_grasps(name)
         if refused.reasons and not grasps:
             return no_grasp(name, refused, self.situation.scene)
-        transfer = partial(
-            plan_transfer, name, self.situation, station.arm, station.pose_base_to_world, station.q, places,
-            grasps=grasps, avoid=context.avoid.get(name, ()), riding=self.riding(name),
-            upright=name in context.upright, held=self._held, obstacles=context.obstacles, seed=context.seed,
-            limits=limits,
+        asked = TransferRequest(
+            places, grasps, context.avoid.get(name, ()), self.riding(name), name in context.upright,
+            held=self._held, obstacles=context.obstacles,
         )  # fmt: skip
-        if self.context.observed:  # what is seen of it may be wrong: the best of all hands takes it
-            return transfer(limits=replace(limits, enough=float("inf")))
+        transfer = partial(plan_transfer, name, self.situation, context.station, seed=context.seed)
+        if context.observed:  # what is seen of it may be wrong: the best of all hands takes it
+            return transfer(asked, limits=replace(limits, enough=float("inf")))
         beside = {} if context.away is None else context.obstacles
         proof = Proof(name, self.situation, self.riding(name), beside, context.sandbox)
-        found = transfer(holds=proof.holds)
-        if isinstance(found, TransferFailure) and self.context.allow_drop:
-            found = transfer()
+        found = transfer(replace(asked, holds=proof.holds), limits=limits)
+        if isinstance(found, TransferFailure) and context.allow_drop:
+            found = transfer(asked, limits=limits)
             return found if isinstance(found, TransferFailure) else _falling(found, proof)
         return found
 
@@ -149,9 +148,7 @@ class Transfers:
         station, seed = self.context.station, self.context.seed
         grasps, _ = self._own_grasps(name)
         found = grasp_candidates(name, self.situation, station.arm) if grasps is None else grasps
-        handling = Handling(
-            name, self.situation, station.arm, station.pose_base_to_world, (), seed, self.context.obstacles
-        )
+        handling = Handling(name, self.situation, station, (), seed, self.context.obstacles)
         log = FailureLog(frozenset())
         most = found[: TRANSFER_LIMITS.grasps]
         return list(handling.reached(handling.hands(most, station.q, log), True, log))

@@ -9,9 +9,10 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.holding import SECOND, check_second, standing_by
 from topple.planner.planning.start import check_start
-from topple.planner.planning.step import Context, NextStep, Station, Task
+from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.simulate.sandbox import Sandbox
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named

@@ -1,6 +1,7 @@
 """What is checked against what while one object is taken, carried and put down."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,14 +25,28 @@ from topple.topology.geometry.samples import volume_and_centre
 from topple.topology.situation.situation import Situation
 
 
+@dataclass(frozen=True, eq=False)
+class Station:
+    """An arm as it stands.
+
+    Attributes:
+        arm: The arm.
+        pose_base_to_world: (4, 4) where it stands.
+        q: (n,) its joint values [rad].
+    """
+
+    arm: Arm
+    pose_base_to_world: FloatArray
+    q: FloatArray
+
+
 class Checks:
     """The checkers of one object's way in one scene, each made once.
 
     Args:
         name: The object.
         situation: Where everything is.
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
+        station: The arm as it stands before.
         riding: What lies in the object and goes with it.
         seed: For inverse kinematics.
         obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
@@ -41,17 +56,17 @@ class Checks:
         self,
         name: str,
         situation: Situation,
-        arm: Arm,
-        pose_base_to_world: FloatArray,
+        station: Station,
         riding: tuple[str, ...] = (),
         seed: int = 0,
         obstacles: Solids | None = None,
     ) -> None:
-        self.name, self.arm, self.riding, self.seed = name, arm, riding, seed
+        self.name, self.arm, self.q_start = name, station.arm, np.asarray(station.q)
+        self.riding, self.seed = riding, seed
         self.situation, self.scene, self.up = situation, situation.scene, situation.up
         self.bodies: Solids = {**situation.solids, **(obstacles or {})}
-        self.pose_base_to_world = pose_base_to_world
-        self.world_to_base = np.linalg.inv(pose_base_to_world)
+        self.pose_base_to_world = np.asarray(station.pose_base_to_world)
+        self.world_to_base = np.linalg.inv(self.pose_base_to_world)
         self._checkers: dict[tuple[object, ...], Checker] = {}
 
     # -- what it weighs

@@ -13,12 +13,14 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.shortcut import densely
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement
+from topple.planner.placement.tolerances import OFF_BOARD
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
-from topple.planner.transfer.tolerances import AT_ONCE, MARGIN, RAISED, SEEDS, STRAIN_STEP
+from topple.planner.transfer.tolerances import AT_ONCE, MARGIN, SEEDS, STRAIN_STEP
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,12 +170,9 @@ class Handling(Checks):
         """Straight the way out with the object: off what it stands on first, where that is not up."""
         stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
         out = self.situation.way_out(self.name)
-        first = [] if self.situation.goes_up(self.name) else [RAISED * self.up]
-        ways = [*first, length * out]
-        targets = [self.tool_pose(state.grasp) for _ in ways]
-        for target, way in zip(targets, np.cumsum(ways, axis=0), strict=True):
-            target[:3, 3] += way
-        self._straight(stage, state, *targets)
+        first = [] if self.situation.goes_up(self.name) else [OFF_BOARD * self.up]
+        ways = np.cumsum([*first, length * out], axis=0)
+        self._straight(stage, state, *(_shifted(self.tool_pose(state.grasp), way) for way in ways))
         self.bears(stage, state.grasp)
         return stage
 
@@ -191,13 +190,33 @@ class Handling(Checks):
 
     def _straight(self, stage: Stage, state: Reached, *targets: FloatArray, backwards: bool = False) -> None:
         """Give a stage the straight way from a state past tool poses (4, 4) in the world, if there is one."""
-        path: FloatArray | None = state.q[None]
+        stage.straight(self._past(state.q[None], state.grasp, *targets), state.q, backwards)
+
+    def _past(self, path: FloatArray | None, grasp: Grasp, *targets: FloatArray) -> FloatArray | None:
+        """A path (k, n) and the straight way on from its end past tool poses (4, 4) in the world, if any."""
         for target in targets:
             if path is not None:
-                to = (self.world_to_base @ target)[None]
-                line = straight_lines(self.arm, path[-1:], to, state.grasp.tool)[0]
+                line = straight_lines(self.arm, path[-1:], (self.world_to_base @ target)[None], grasp.tool)[0]
                 path = None if line is None else np.concatenate([path, line[1:]])
-        stage.straight(path, state.q, backwards)
+        return path
+
+    def way_from_all(self, places: Sequence[Placement]) -> FloatArray | None:
+        """(3,) the way out of the first of some places, as the object is now, if all are left level.
+
+        No hand from above gets into any of them: fingers have to come in against that way.
+        """
+        if not places or places[0].how in IN_HAND:
+            return None
+        ways = [self._ways_in(place, 1.0) for place in places]
+        if any(len(way) == 1 for way in ways):
+            return None
+        return places[0].pose_before_to_after[:3, :3].T @ (ways[0][1] - ways[0][0])
+
+    def _ways_in(self, place: Placement, length: float) -> tuple[FloatArray, ...]:
+        """(3,) moves from a place to above it; where something fixed is over it off it, and to before it."""
+        points = transformed(self.scene.clouds[self.name], place.pose_before_to_after)
+        out, off = self.situation.way_from(points), OFF_BOARD * self.up
+        return (length * out,) if out @ self.up > 0.5 else (off, off + length * out)
 
     def open_ends(
         self, grasp: Grasp, places: Sequence[Placement], drop: float, retreat: float, log: FailureLog
@@ -209,7 +228,7 @@ class Handling(Checks):
         Args:
             grasp: The grasp.
             places: Placements.
-            drop: Straight way down [m].
+            drop: Straight way down, or in [m].
             retreat: Straight way out [m].
             log: Notes what placements are dropped for.
         """
@@ -222,12 +241,12 @@ class Handling(Checks):
             (leaving, "retreat", 0.0),
             (leaving, "retreat", retreat),
         ):
-            above, back = np.eye(4), np.eye(4)
-            if checker is carrying:
-                above[:3, 3] = way * self.up
-            else:
-                back[2, 3] = -way
-            poses = [above @ p.pose_before_to_after @ self.tool_pose(grasp) @ back for p in found]
+            back = np.eye(4)
+            back[2, 3] = -way if checker is leaving else 0.0
+            poses = [p.pose_before_to_after @ self.tool_pose(grasp) @ back for p in found]
+            if checker is carrying and way:
+                both = zip(poses, found, strict=True)
+                poses = [_shifted(pose, self._ways_in(place, way)[-1]) for pose, place in both]
             clear = self._clear_of([grasp] * len(found), poses, [checker] * len(found), step, log)
             found = [place for place, free in zip(found, clear, strict=True) if free]
         return found
@@ -247,7 +266,7 @@ class Handling(Checks):
             state: The grasp.
             places: Placements, best first, as `open_ends` leaves them.
             near: (n,) joint values to stay close to.
-            drop: Straight way down [m].
+            drop: Straight way down, or in [m].
             retreat: Straight way out [m].
             log: Notes what placements are dropped for.
 
@@ -285,10 +304,13 @@ class Handling(Checks):
         """Of places with tool poses and states there those with straight ways in and out."""
         states, to_base = np.array([q for _, _, q in tried]), self.world_to_base
         above, back = np.array([to_base @ target for _, target, _ in tried]), np.eye(4)
-        above[:, :3, 3] += ways[0] * to_base[:3, :3] @ self.up
+        moves = [self._ways_in(place, ways[0]) for place, _, _ in tried]
+        above[:, :3, 3] += [to_base[:3, :3] @ first for first, *_ in moves]
         back[2, 3] = -ways[1]
         out = np.array([to_base @ target @ back for _, target, _ in tried])
         raised = straight_lines(self.arm, states, above, grasp.tool)
+        for k, ((_, target, _), (_, *then)) in enumerate(zip(tried, moves, strict=True)):
+            raised[k] = self._past(raised[k], grasp, *(_shifted(target, move) for move in then))
         drawn = straight_lines(self.arm, states, out, grasp.tool)
         found: list[Placement] = []
         for (place, _, q), rising, leaving in zip(tried, raised, drawn, strict=True):
@@ -300,3 +322,10 @@ class Handling(Checks):
             if lowered and retreat.straight(leaving, q):
                 found.append(place)
                 yield End(place, lower.way, retreat.way)
+
+
+def _shifted(pose: FloatArray, move: FloatArray) -> FloatArray:
+    """A pose (4, 4) that is elsewhere by (3,) [m]."""
+    shifted = pose.copy()
+    shifted[:3, 3] += move
+    return shifted

@@ -8,19 +8,16 @@ from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
-from topple.planner.transfer.checks import Checks
+from topple.planner.transfer.checks import Checks, Station
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import may_touch
 from topple.planner.transfer.tolerances import MARGIN, ROUNDING
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
-from topple.topology.base.arrays import FloatArray
 from topple.topology.situation.situation import Situation
 
 
-def recertified(
-    transfer: Transfer, situation: Situation, arm: Arm, pose_base_to_world: FloatArray
-) -> Transfer | None:
+def recertified(transfer: Transfer, situation: Situation, station: Station) -> Transfer | None:
     """Prove that a transfer can be done in another situation than it was planned for.
 
     The hand needs room among the clouds, and something of the object where it closes. Every motion is
@@ -30,15 +27,14 @@ def recertified(
     Args:
         transfer: The transfer.
         situation: What is seen.
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
+        station: The arm as it stands before.
 
     Returns:
         The transfer with its proofs of the situation; None where something of it cannot be proven.
     """
-    if transfer.object not in situation.movable or not _takes(transfer, situation, arm):
+    if transfer.object not in situation.movable or not _takes(transfer, situation, station.arm):
         return None
-    checks = Checks(transfer.object, situation, arm, pose_base_to_world, transfer.riding)
+    checks = Checks(transfer.object, situation, station, transfer.riding)
     checkers = _checkers(transfer, checks)
     segments: list[Segment] = []
     for segment in transfer.segments:

@@ -18,9 +18,6 @@ AT_ONCE = 6
 """Hands and places that inverse kinematics is asked for at once: mostly one of the best will do, and fewer
 make more batches of those that will not."""
 
-RAISED = 0.02
-"""What slides out is lifted by so much first [m]: it does not drag, and boards are no more uneven."""
-
 STRAIN_STEP = 0.05
 """[rad] between states that joints are asked to hold: what gravity asks changes by a twentieth at most."""
 

@@ -18,12 +18,12 @@ from topple.planner.grasp.surroundings import Dropped
 from topple.planner.motion.upright import Upright
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement, placements
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
-from topple.robots.arm.arm import Arm
 from topple.robots.arm.home import scale_of, workplace_of
 from topple.topology.base.arrays import FloatArray, frozen
 from topple.topology.base.errors import UnknownObject
@@ -70,32 +70,11 @@ class Transfer:
         return sum(float(s.trajectory.times[-1]) for s in self.segments if s.trajectory is not None)
 
 
-def plan_transfer(
-    name: str,
-    scene: Scene | Situation,
-    arm: Arm,
-    pose_base_to_world: FloatArray,
-    q_start: FloatArray,
-    places: Sequence[Placement] | None = None,
-    *,
-    grasps: Sequence[Grasp] | None = None,
-    avoid: Sequence[Grasp] = (),
-    riding: Sequence[str] = (),
-    upright: bool | None = None,
-    holds: Callable[[Placement], bool] | None = None,
-    held: Reached | None = None,
-    obstacles: Solids | None = None,
-    seed: int = 0,
-    limits: TransferLimits = TRANSFER_LIMITS,
-) -> Transfer | TransferFailure:
-    """Plan taking one object and putting it somewhere else.
+@dataclass(frozen=True, eq=False)
+class TransferRequest:
+    """What is asked of a transfer: how an object may be taken, and where to.
 
-    Args:
-        name: The object.
-        scene: What is seen now, with `up`, or the situation it was read as.
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
-        q_start: (n,) joint values now [rad].
+    Attributes:
         places: Where it may go, best first; free places on the table where None.
         grasps: How it may be held, best first; found from the clouds where None.
         avoid: Grasps that failed: none near them is tried while there are others.
@@ -104,6 +83,38 @@ def plan_transfer(
         holds: Whether the object stays where a place has it; where None, all do.
         held: The grasp by which the hand has closed on it already; the transfer begins with the lift then.
         obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
+    """
+
+    places: Sequence[Placement] | None = None
+    grasps: Sequence[Grasp] | None = None
+    avoid: Sequence[Grasp] = ()
+    riding: Sequence[str] = ()
+    upright: bool | None = None
+    holds: Callable[[Placement], bool] | None = None
+    held: Reached | None = None
+    obstacles: Solids | None = None
+
+    @property
+    def level(self) -> bool:
+        """Whether the object is kept upright."""
+        return bool(self.riding) if self.upright is None else self.upright
+
+
+def plan_transfer(
+    name: str,
+    scene: Scene | Situation,
+    station: Station,
+    asked: TransferRequest | None = None,
+    seed: int = 0,
+    limits: TransferLimits = TRANSFER_LIMITS,
+) -> Transfer | TransferFailure:
+    """Plan taking one object and putting it somewhere else.
+
+    Args:
+        name: The object.
+        scene: What is seen now, with `up`, or the situation it was read as.
+        station: The arm as it stands now.
+        asked: How it may be taken, and where to; anyhow, and to a free place, where None.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
@@ -117,10 +128,17 @@ def plan_transfer(
     scene = situation.scene
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
-    if held is not None:
-        grasps, avoid = [held.grasp], ()
+    arm, asked = station.arm, asked or TransferRequest()
+    grasps, avoid = asked.grasps, asked.avoid
+    if asked.held is not None:
+        grasps, avoid = [asked.held.grasp], ()
     searched, dropped, changed, few = grasps is None, Dropped(), False, list[Grasp]()
-    find = partial(grasp_candidates, name, situation, wide=bool(avoid))
+    places = asked.places
+    if places is None:
+        workplace = station.pose_base_to_world @ workplace_of(arm)
+        places = placements(name, situation, pose_base_to_world=workplace, scale=scale_of(arm))
+    handling = Handling(name, situation, station, tuple(asked.riding), seed, asked.obstacles)
+    find = partial(grasp_candidates, name, situation, wide=bool(avoid), out=handling.way_from_all(places))
     spare = {tool: shape for tool, shape in shapes_of(arm).items() if shape.spare}
     if grasps is None:
         few = find(arm, enough=limits.enough) if limits.enough < np.inf and not avoid else []
@@ -130,21 +148,15 @@ def plan_transfer(
             changed = True
     else:
         grasps = _others(list(grasps), avoid)
-    if places is None:
-        workplace = pose_base_to_world @ workplace_of(arm)
-        places = placements(name, situation, pose_base_to_world=workplace, scale=scale_of(arm))
-    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, obstacles)
     if words := beyond_arm(handling.load[0], arm):
         return TransferFailure(name, {words: 1}, None, FailedCheck(SegmentKind.GRASP, Check.STRENGTH, words))
-    level = bool(riding) if upright is None else upright
-    if level:
+    if asked.level:
         places = [place for place in places if place.tilt(situation.up) < LEVEL]
     if not grasps:
         return no_grasp(name, dropped, scene)
     if not places:
         return TransferFailure.no_place(name, NO_PLACE)
-    limits = limits.of(arm)
-    search = _Search(handling, tuple(places), np.asarray(q_start), level, limits, holds, held)
+    search = _Search(handling, replace(asked, places=tuple(places)), limits.of(arm))
     spared = searched and bool(spare) and not any(grasp.tool in spare for grasp in grasps)
 
     def other() -> list[Grasp]:
@@ -192,18 +204,9 @@ class _Way:
 class _Search:
     """The state of one search: what was tried and what it failed of."""
 
-    def __init__(
-        self,
-        handling: Handling,
-        places: tuple[Placement, ...],
-        q_start: FloatArray,
-        level: bool,
-        limits: TransferLimits,
-        holds: Callable[[Placement], bool] | None = None,
-        held: Reached | None = None,
-    ) -> None:
-        self.handling, self.places, self.q_start = handling, places, q_start
-        self.level, self.limits, self._holds, self._held = level, limits, holds, held
+    def __init__(self, handling: Handling, asked: TransferRequest, limits: TransferLimits) -> None:
+        self.handling, self.asked, self.limits = handling, asked, limits
+        self.places = asked.places or ()
         self.log = FailureLog(frozenset(handling.bodies) - {handling.name})
         self._ahead: dict[Reached, tuple[Stage, Stage]] = {}
         self._roomy: dict[tuple[Grasp, tuple[Placement, ...]], list[Placement]] = {}
@@ -223,11 +226,11 @@ class _Search:
         """Complete a transfer that starts with one of some grasps, best first, or say why there is none."""
         self._barred: list[tuple[Reached, _Way]] = []
         reached: list[Iterator[Reached]]
-        if self._held is None:
-            both = tee(self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log))
+        if self.asked.held is None:
+            both = tee(self.handling.hands(grasps[: self.limits.grasps], self.handling.q_start, self.log))
             reached = [self.handling.reached(hands, bool(k), self.log) for k, hands in enumerate(both)]
         else:
-            reached = [iter([self._held]), iter([self._held])]
+            reached = [iter([self.asked.held]), iter([self.asked.held])]
         for way in self._ways():
             states, reached[way.lenient] = tee(reached[way.lenient])  # looked for once, when asked
             for state in islice(states, self.limits.reached):
@@ -263,7 +266,7 @@ class _Search:
         if not room:
             return None
         if state not in self._ahead:
-            if state is self._held:  # the way in is behind it
+            if state is self.asked.held:  # the way in is behind it
                 approach = lift = handling.lift(state, limits.lift, log)
             else:
                 approach = handling.approach(state, limits.approach, log)
@@ -297,22 +300,22 @@ class _Search:
         if not held and not (lower.prove() and retreat.prove()):
             return None
         stages = (lift, carry) if held else (lift, carry, lower, retreat)
-        if state is not self._held:
+        if state is not self.asked.held:
             move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
-            if move.search(self.q_start, approach.way[:1], handling.seed, limits.rounds) is None:
+            if move.search(self.handling.q_start, approach.way[:1], handling.seed, limits.rounds) is None:
                 return None
             stages = (move, approach, *stages)
         segments = segments_of(stages, handling, grasp, end.placement, limits)
-        if state is self._held:
+        if state is self.asked.held:
             segments = segments[1:]  # the hand is closed
         return Transfer(
             handling.name, grasp, end.placement, segments, end.retreat[-1], dict(log.reasons),
-            handling.riding, self.level, way.fallbacks,
+            handling.riding, self.asked.level, way.fallbacks,
         )  # fmt: skip
 
     def _upright(self, grasp: Grasp) -> Upright | None:
         """How the tool is kept while it carries what must not tilt."""
-        if not self.level:
+        if not self.asked.level:
             return None
         return Upright(grasp.tool, self.handling.world_to_base[:3, :3] @ self.handling.up, self.limits.tilt)
 
@@ -329,7 +332,7 @@ class _Search:
 
     def _stays(self, place: Placement) -> bool:
         """Whether the object holds at a place; where it does not, that is noted."""
-        if self._holds is None or self._holds(place):
+        if self.asked.holds is None or self.asked.holds(place):
             return True
         self.log.note(SegmentKind.PLACE, Check.STAND, FALLS)
         return False

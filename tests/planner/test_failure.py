@@ -4,7 +4,8 @@ import pytest
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import STEPS, FailureLog, TransferFailure
 from topple.planner.planning.plan import plan
-from topple.planner.transfer.transfer import plan_transfer
+from topple.planner.transfer.checks import Station
+from topple.planner.transfer.transfer import TransferRequest, plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.base.errors import InvalidInput
@@ -13,6 +14,7 @@ from topple.topology.scene.scene import Scene
 ARM = robot("panda")
 BASE = np.eye(4)
 BASE[0, 3] = -0.5
+HOME = Station(ARM, BASE, np.array(ARM.home))
 
 
 def hemmed_in() -> Scene:
@@ -49,7 +51,7 @@ def test_a_failure_says_step_check_configuration_and_who_bars() -> None:
     from topple.planner.grasp.candidates import grasp_candidates
 
     grasps = grasp_candidates("block", lone, ARM)  # found as if nothing stood beside
-    found = plan_transfer("block", scene, ARM, BASE, np.array(ARM.home), grasps=grasps)
+    found = plan_transfer("block", scene, HOME, TransferRequest(grasps=grasps))
     assert isinstance(found, TransferFailure)
     assert found.blocking in ("left", "right")
     assert set(found.barring) <= {"left", "right", "table"}
@@ -63,7 +65,7 @@ def test_a_failure_says_step_check_configuration_and_who_bars() -> None:
 
 
 def test_where_no_grasp_has_room_the_failure_says_beside_what() -> None:
-    found = plan_transfer("block", hemmed_in(), ARM, BASE, np.array(ARM.home))
+    found = plan_transfer("block", hemmed_in(), HOME)
     assert isinstance(found, TransferFailure)
     assert found.furthest is not None
     assert (found.furthest.step, found.furthest.check) == ("grasp", "room")

@@ -6,8 +6,9 @@ from topple.planner.motion.planner import Motion
 from topple.planner.motion.shortcut import densely
 from topple.planner.motion.upright import Upright, plan_upright
 from topple.planner.planning.plan import plan
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.limits import TRANSFER_LIMITS
-from topple.planner.transfer.transfer import Transfer, plan_transfer
+from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.fruit import plum
@@ -44,7 +45,9 @@ def tilts(transfer: Transfer) -> FloatArray:
 
 def test_what_is_marked_stays_within_the_tilt_all_along() -> None:
     wall = box("wall", (0.3, 0.04, 0.3)).surface(4000, np.random.default_rng(1))
-    found = plan_transfer("can", kitchen(wall=wall), ARM, BASE, np.array(ARM.home), upright=True)
+    found = plan_transfer(
+        "can", kitchen(wall=wall), Station(ARM, BASE, np.array(ARM.home)), TransferRequest(upright=True)
+    )
     assert isinstance(found, Transfer), str(found)
     assert found.upright
     assert tilts(found).max() <= TRANSFER_LIMITS.tilt

@@ -286,7 +286,12 @@ class Situation:
 
     def way_out(self, name: str) -> FloatArray:
         """(3,) unit vector along which an object goes when taken: `up`, unless something fixed bars it."""
-        return way_out(self.scene.clouds[name], self._fixed, self.up)
+        return self.way_from(self.scene.clouds[name])
+
+    def way_from(self, points: FloatArray) -> FloatArray:
+        """(3,) unit vector likewise of something whose points (N, 3) are elsewhere."""
+        nothing_over = float((points @ self.up).max()) > self._highest
+        return self.up if nothing_over else way_out(points, self._fixed, self.up)
 
     def goes_up(self, name: str) -> bool:
         """Whether the way out of an object is up, and not level."""
@@ -296,6 +301,11 @@ class Situation:
         """(3, 3) axes of the upright frame, the rows, of which the third is the way out of an object."""
         out = self.statics.upright.rotation @ self.way_out(name)
         return np.eye(3) if self.goes_up(name) else np.stack([*level_axes(out), out])
+
+    @cached_property
+    def _highest(self) -> float:
+        """Height of the highest fixed point along `up` [m]."""
+        return float((self._fixed @ self.up).max(initial=-np.inf))
 
     @cached_property
     def _fixed(self) -> FloatArray:

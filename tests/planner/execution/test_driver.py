@@ -8,6 +8,7 @@ import pytest
 from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
 from topple.planner.execution.look import Look
 from topple.planner.execution.loop import ClosedLoop
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import shapes
@@ -138,7 +139,7 @@ def seen(height: float = HEIGHT) -> Scene:
 
 def planned(name: str) -> Transfer:
     arm = robot(name)
-    found = plan_transfer("box", seen(), arm, BASE, np.asarray(arm.home))
+    found = plan_transfer("box", seen(), Station(arm, BASE, np.asarray(arm.home)))
     assert isinstance(found, Transfer)
     return found
 

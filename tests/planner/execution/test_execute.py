@@ -5,7 +5,8 @@ import numpy as np
 from topple.planner.execution.execute import execute
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.transfer import Transfer, plan_transfer
+from topple.planner.transfer.checks import Station
+from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
@@ -37,7 +38,7 @@ def test_a_cup_that_meets_the_object_early_is_not_pressed_on() -> None:
         world.add_table(size=(1.4, 1.2))
         world.add(shapes.box("box", (0.05, 0.05, 0.124), mass=0.2), pose_at(0.0, 0.0, 0.0))
         world.settle()
-        found = plan_transfer("box", _seen(0.12), hand, BASE, np.asarray(hand.home))
+        found = plan_transfer("box", _seen(0.12), Station(hand, BASE, np.asarray(hand.home)))
         assert isinstance(found, Transfer)
         assert found.grasp.tool == "suction"
         arm = SimulatedArm(world, hand, BASE)
@@ -50,7 +51,7 @@ def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
         world.add_table(size=(1.4, 1.2))
         world.add(shapes.box("box", (0.05, 0.05, 0.12), mass=0.2), pose_at(0.0, 0.0, 0.0))
         world.settle()
-        found = plan_transfer("box", _seen(0.12), PANDA, BASE, np.asarray(PANDA.home))
+        found = plan_transfer("box", _seen(0.12), Station(PANDA, BASE, np.asarray(PANDA.home)))
         assert isinstance(found, Transfer)
         across = found.grasp.pose_tool_to_world[:3, 1]  # a finger now comes down on top of it
         pose = world.pose("box")
@@ -95,7 +96,9 @@ def test_in_a_vessel_the_hand_opens_no_wider_than_letting_go_takes() -> None:
             world.add(body, pose)
         world.settle()
         before = world.poses()
-        found = plan_transfer("cube", scene, PANDA, BASE, np.asarray(PANDA.home), [between], grasps=[hold])
+        found = plan_transfer(
+            "cube", scene, Station(PANDA, BASE, np.asarray(PANDA.home)), TransferRequest([between], [hold])
+        )
         assert isinstance(found, Transfer), found
         outcome = execute(found, SimulatedArm(world, PANDA, BASE))
         assert outcome.success, outcome.text

@@ -8,7 +8,8 @@ from topple.planner.execution.lift_monitor import ChangeDetector, LiftMonitor, n
 from topple.planner.execution.look import Observer
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.planning.order import order
-from topple.planner.transfer.transfer import Transfer, plan_transfer
+from topple.planner.transfer.checks import Station
+from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.robots import robot as robot_named
 from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
@@ -40,10 +41,8 @@ def lifted(world: World, name: str) -> tuple[Outcome, dict[str, float]]:
     pose = np.diag([1.0, -1.0, -1.0, 1.0])  # closing along y, the plank between the fingers
     pose[:3, 3] = world.pose(name)[:3, 3] + [0.0, 0.0, 0.055 if name == "near" else 0.03]
     grasp = Grasp(name, "pinch", pose, 0.05, 0.07, 1.0)
-    found = plan_transfer(
-        name, look.situation.without("plank"), arm.arm, arm.pose_base_to_world, np.asarray(arm.arm.home),
-        grasps=[grasp],
-    )  # fmt: skip
+    station = Station(arm.arm, arm.pose_base_to_world, np.asarray(arm.arm.home))
+    found = plan_transfer(name, look.situation.without("plank"), station, TransferRequest(grasps=[grasp]))
     assert isinstance(found, Transfer), found
     before = world.poses()
     others = [other for other in world.movable if other != name]

@@ -10,7 +10,8 @@ from topple.planner.execution.memory import Memory
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Context, NextStep, Station
+from topple.planner.planning.step import Context, NextStep
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at

@@ -10,7 +10,8 @@ import pytest
 from topple.planner.execution.execute import execute
 from topple.planner.execution.tolerances import TOUCHDOWN
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.transfer import Transfer, plan_transfer
+from topple.planner.transfer.checks import Station
+from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.robots import shapes
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
@@ -54,7 +55,9 @@ THINGS: dict[str, tuple[str, Callable[[], Body]]] = {
 @cache
 def _carried(thing: str) -> tuple[Arm, Body, Transfer]:
     arm, body = robot(THINGS[thing][0]), THINGS[thing][1]()
-    found = plan_transfer("thing", _scene(body), arm, BASE, np.asarray(arm.home), [PLACE])
+    found = plan_transfer(
+        "thing", _scene(body), Station(arm, BASE, np.asarray(arm.home)), TransferRequest([PLACE])
+    )
     assert isinstance(found, Transfer)
     return arm, body, found
 

@@ -19,6 +19,7 @@ from topple.planner.grasp.shape import coming_unseen, shapes_of
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.planner.planning.plan_format import plan_from_json, plan_to_json
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling
 from topple.planner.verify import verify
 from topple.robots.catalog import robot
@@ -30,6 +31,7 @@ from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
 PANDA = robot("panda")
+HOME = Station(PANDA, BASE, np.asarray(PANDA.home))
 LOW, OTHER = (-0.8, 0.0, 0.5), (0.8, 0.5, 0.6)
 """Cameras: one from before the block, one from behind it."""
 
@@ -147,8 +149,8 @@ def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted() -> None
 
 
 def test_hands_are_marked_as_they_are_made_whatever_their_grasp_says() -> None:
-    handling = Handling("block", Situation(shaded(LOW)), PANDA, BASE)
-    lit = Handling("block", Situation(shaded(LOW, OTHER)), PANDA, BASE)
+    handling = Handling("block", Situation(shaded(LOW)), HOME)
+    lit = Handling("block", Situation(shaded(LOW, OTHER)), HOME)
     for asked, unseen in ((handling, {True}), (lit, {False})):
         grasps = [replace(pinch(), unseen=not min(unseen))]
         found = list(asked.hands(grasps, np.asarray(PANDA.home), FailureLog(frozenset())))

@@ -7,7 +7,11 @@ from topple.planner.decide.dependency import Reason, dependencies
 from topple.planner.execution.look import Observer
 from topple.planner.grasp.grasp import PINCH, Grasp
 from topple.planner.planning.plan import plan
-from topple.planner.transfer.transfer import TransferFailure, plan_transfer
+from topple.planner.rearranging.arrangement import Arrangement
+from topple.planner.rearranging.task import ArrangementTask
+from topple.planner.transfer.checks import Station
+from topple.planner.transfer.transfer import TransferFailure, TransferRequest, plan_transfer
+from topple.planner.verify import verify
 from topple.robots import scenario
 from topple.robots.arm.gripper import FINGERS
 from topple.robots.catalog import robot
@@ -56,10 +60,25 @@ def test_under_a_board_no_hand_comes_from_above(scene: Scene, stage: Scenario) -
     pose, (low, high) = np.diag([1.0, -1.0, -1.0, 1.0]), bounds(scene.clouds["can_1"])
     pose[:3, 3] = [*(low + high)[:2] / 2.0, high[2] - 0.02]
     above = Grasp("can_1", PINCH, pose, 0.062, 0.078, 1.0)
-    found = plan_transfer("can_1", scene, arm, stage.pose_base_to_world, np.array(arm.home), grasps=[above])
+    station = Station(arm, stage.pose_base_to_world, np.array(arm.home))
+    found = plan_transfer("can_1", scene, station, TransferRequest(grasps=[above]))
     assert isinstance(found, TransferFailure)
     assert found.reasons
     assert all("meets shelf" in words for words in found.reasons)
+
+
+def test_what_belongs_in_another_column_slides_in_level(scene: Scene, stage: Scenario) -> None:
+    clouds = {**scene.clouds, "can_1": scene.clouds["can_1"] + np.array([0.0, 0.16, 0.0])}
+    wanted = ArrangementTask(Arrangement(Scene(clouds, scene.fixed, scene.up)))
+    found = plan(scene, wanted, stage.robot, base=stage.pose_base_to_world)
+    assert verify(found, scene).ok
+    segments = found.steps[-1].segments
+    (way,) = (segment.trajectory for segment in segments if segment.kind == "place")
+    assert way is not None
+    tool = robot(stage.robot).tool_pose(np.array(way.positions), FINGERS)[:, :3, 3]
+    along = tool[-1] - tool[0]
+    assert -0.03 < along[2] < -0.01
+    assert np.linalg.norm(along[:2]) > 0.05
 
 
 @pytest.mark.slow

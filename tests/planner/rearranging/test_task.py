@@ -17,10 +17,11 @@ from topple.planner.execution.demo import loop_in
 from topple.planner.execution.goal_poses import off_goal_pose
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan_format import plan_from_json, plan_to_json
-from topple.planner.planning.step import Context, NextStep, Orderer, Station
+from topple.planner.planning.step import Context, NextStep, Orderer
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act
 from topple.planner.rearranging.task import ArrangementTask, DescribedTask, LearnedPrecedences
+from topple.planner.transfer.checks import Station
 from topple.robots import scenario
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at

@@ -11,6 +11,7 @@ from topple.planner.failure import FailureLog
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling, Reached
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
@@ -42,7 +43,9 @@ def handling(arm: Arm = PANDA, **others: Sequence[FloatArray]) -> tuple[Handling
     }
     clouds = {name: np.vstack(parts) for name, parts in bodies.items()}
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    return Handling("cube", Situation(scene, known_solids=bodies), arm, BASE), FailureLog(frozenset(others))
+    return Handling(
+        "cube", Situation(scene, known_solids=bodies), Station(arm, BASE, np.asarray(arm.home))
+    ), FailureLog(frozenset(others))
 
 
 def pinch(x: float = 0.0, y: float = 0.0) -> Grasp:

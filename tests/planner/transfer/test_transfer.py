@@ -5,10 +5,11 @@ import pytest
 from on_table import BASE, on_table
 
 from topple.planner.placement.base import NoBase, choose_base
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.segments import SegmentKind, no_faster_than
-from topple.planner.transfer.transfer import Transfer, TransferFailure, plan_transfer
+from topple.planner.transfer.transfer import Transfer, TransferFailure, TransferRequest, plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.base.errors import UnknownObject
@@ -18,6 +19,7 @@ from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 ARM = robot("panda-suction")
+HOME = Station(ARM, BASE, np.array(ARM.home))
 
 
 def scene() -> Scene:
@@ -26,7 +28,7 @@ def scene() -> Scene:
 
 @pytest.fixture(scope="module")
 def transfer() -> Transfer:
-    found = plan_transfer("can", scene(), ARM, BASE, np.array(ARM.home))
+    found = plan_transfer("can", scene(), HOME)
     assert isinstance(found, Transfer), str(found)
     return found
 
@@ -43,12 +45,10 @@ def test_segments_come_in_order_and_join(transfer: Transfer) -> None:
 
 @pytest.mark.slow
 def test_a_tool_that_failed_twice_gives_way_to_the_other() -> None:
-    first = plan_transfer("can", scene(), ARM, BASE, np.array(ARM.home))
+    first = plan_transfer("can", scene(), HOME)
     assert isinstance(first, Transfer)
     assert first.grasp.tool == "suction"
-    again = [
-        plan_transfer("can", scene(), ARM, BASE, np.array(ARM.home), avoid=[first.grasp] * n) for n in (1, 2)
-    ]
+    again = [plan_transfer("can", scene(), HOME, TransferRequest(avoid=[first.grasp] * n)) for n in (1, 2)]
     assert [found.grasp.tool for found in again if isinstance(found, Transfer)] == ["suction", "fingers"]
 
 
@@ -82,7 +82,7 @@ def test_the_tool_ends_where_the_placement_takes_it(transfer: Transfer) -> None:
 
 
 def test_carried_motions_stay_off_everything(transfer: Transfer) -> None:
-    handling = Handling("can", Situation(scene()), ARM, BASE)
+    handling = Handling("can", Situation(scene()), HOME)
     carry = transfer.segments[4].trajectory
     assert carry is not None
     assert handling.carrying(transfer.grasp, 0.0).free(carry.positions[::5]).all()
@@ -94,7 +94,7 @@ def test_the_predicted_scene_has_the_object_on_the_table(transfer: Transfer) -> 
 
 
 def test_the_same_seed_gives_the_same_transfer(transfer: Transfer) -> None:
-    again = plan_transfer("can", scene(), ARM, BASE, np.array(ARM.home))
+    again = plan_transfer("can", scene(), HOME)
     assert isinstance(again, Transfer)
     assert np.array_equal(again.q_end, transfer.q_end)
 
@@ -102,20 +102,20 @@ def test_the_same_seed_gives_the_same_transfer(transfer: Transfer) -> None:
 def test_out_of_reach_is_a_failure_that_says_so() -> None:
     far = np.eye(4)
     far[0, 3] = -3.0
-    found = plan_transfer("can", scene(), ARM, far, np.array(ARM.home))
+    found = plan_transfer("can", scene(), Station(ARM, far, np.array(ARM.home)))
     assert isinstance(found, TransferFailure)
     assert "reach" in str(found)
 
 
 def test_no_grasps_is_a_failure_that_says_so() -> None:
-    found = plan_transfer("can", scene(), ARM, BASE, np.array(ARM.home), grasps=[])
+    found = plan_transfer("can", scene(), HOME, TransferRequest(grasps=[]))
     assert isinstance(found, TransferFailure)
     assert "no grasp" in str(found)
 
 
 def test_an_unknown_object_is_named() -> None:
     with pytest.raises(UnknownObject, match="cup"):
-        plan_transfer("cup", scene(), ARM, BASE, np.array(ARM.home))
+        plan_transfer("cup", scene(), HOME)
 
 
 def test_stretching_keeps_the_path(transfer: Transfer) -> None:

@@ -17,8 +17,9 @@ from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
-from topple.planner.planning.step import Context, NextStep, Station
-from topple.planner.transfer.transfer import Transfer, plan_transfer
+from topple.planner.planning.step import Context, NextStep
+from topple.planner.transfer.checks import Station
+from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.planner.verify import Verification, verify
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
@@ -92,7 +93,7 @@ def test_a_load_pressed_into_the_table_that_it_is_said_to_be_put_into() -> None:
     place = np.eye(4)
     place[:3, 3] = (0.05, 0.12, -0.03)
     into = Placement(place, 1.0, into="table", how=PlaceRelation.ON)
-    found = plan_transfer("block", scene, arm, BASE, start, [into])
+    found = plan_transfer("block", scene, Station(arm, BASE, start), TransferRequest([into]))
     assert isinstance(found, Transfer), found
     step = NextStep(found, Action.FREE, "it is to be free", order(scene, ["block"]))
     made = plan_as_done(scene, parse_goal("free block", scene), Context(Station(arm, BASE, start)), [step])

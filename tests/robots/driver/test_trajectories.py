@@ -21,6 +21,7 @@ from topple.planner.execution.loop import ClosedLoop
 from topple.planner.execution.second_look import second_look
 from topple.planner.motion.trajectory import retime
 from topple.planner.planning.order import cautious
+from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import robot, scenario, shapes
 from topple.robots.driver import Driver
@@ -108,7 +109,7 @@ def test_a_transfer_goes_through_it_and_lets_go(arm: SimulatedArm) -> None:
     driver, world = behind_a_controller(arm), arm.world
     assert isinstance(driver, Driver)
     scene, before = on_table((world.body("box"), (0.0, 0.0, 0.0))), world.pose("box")
-    transfer = plan_transfer("box", scene, arm.arm, arm.pose_base_to_world, arm.q_target)
+    transfer = plan_transfer("box", scene, Station(arm.arm, arm.pose_base_to_world, arm.q_target))
     assert isinstance(transfer, Transfer)
     outcome = execute(transfer, driver)
     assert outcome.success, outcome.text
