@@ -82,7 +82,7 @@ _EPILOG = (
 )
 
 
-class Help(argparse.RawDescriptionHelpFormatter):
+class _Help(argparse.RawDescriptionHelpFormatter):
     """Help that keeps the lines of its examples; what an option says last, in brackets, is its default."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
@@ -90,7 +90,7 @@ class Help(argparse.RawDescriptionHelpFormatter):
         return None if words is None else re.sub(r" \(([^()]+)\)$", r" [default: \1]", words)
 
 
-class Parser(argparse.ArgumentParser):
+class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
@@ -218,9 +218,9 @@ def _run(arguments: list[str]) -> int:
         return NO_SAFE_PLAN
 
 
-def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
+def _parser(chosen: str | None) -> tuple[_Parser, dict[str, _Parser]]:
     """Build the parser; only the chosen command's module is imported for its options."""
-    parser = Parser(
+    parser = _Parser(
         prog="topple",
         description="Which object in the clutter to take next, and why that is safe.",
         epilog=_EPILOG,
@@ -228,8 +228,8 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print version and kernels, and leave")
     told = "print a shell's completion script and leave"
     parser.add_argument("--completion", action=_ShowCompletion, choices=("bash", "zsh"), help=told)
-    actions = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
-    commands: dict[str, Parser] = {}
+    actions = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
+    commands: dict[str, _Parser] = {}
     for name, purpose in COMMANDS.items():
         calls = [f"  topple {call}" for call in EXAMPLES.get(name, ())]
         commands[name] = actions.add_parser(
@@ -237,7 +237,7 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
             help=purpose,
             description=purpose[0].upper() + purpose[1:] + ".",
             epilog="\n".join(["examples:", *calls, "", _EPILOG]),
-            formatter_class=Help,
+            formatter_class=_Help,
         )
         if name == chosen and not _is_here(name):
             parser.error(f"{name} works in a checkout of topple alone, which has what it measures")

@@ -17,6 +17,7 @@ from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
+from topple.topology.statics.way_out import leads_up
 
 
 def lowered(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
@@ -43,7 +44,7 @@ def _down(name: str, situation: Situation, pose: FloatArray) -> Placement | None
     axes = np.stack(level_axes(up))
     body = np.vstack([voxel_means(scene.clouds[name], CELL), sampled(solids[name], CELL)])
     body = transformed(body, pose)
-    slides = float(situation.way_from(body) @ up) < 0.5
+    slides = not leads_up(situation.way_out_from(body), up)
     ceiling = float((body @ up).max()) + (OFF_BOARD if slides else PLACEMENT_TOLERANCES.headroom)
     heights = heights_of(scene, up, leave_out=name, ceiling=ceiling)
     level, height = underside(body @ axes.T, body @ up)

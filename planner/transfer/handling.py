@@ -21,6 +21,7 @@ from topple.planner.transfer.tolerances import AT_ONCE, MARGIN, SEEDS, STRAIN_ST
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
+from topple.topology.statics.way_out import leads_up
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,10 +170,8 @@ class Handling(Checks):
     def lift(self, state: Reached, length: float, log: FailureLog) -> Stage:
         """Straight the way out with the object: off what it stands on first, where that is not up."""
         stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
-        out = self.situation.way_out(self.name)
-        first = [] if self.situation.goes_up(self.name) else [OFF_BOARD * self.up]
-        ways = np.cumsum([*first, length * out], axis=0)
-        self._straight(stage, state, *(_shifted(self.tool_pose(state.grasp), way) for way in ways))
+        moves = self._moves(self.situation.way_out(self.name), length)
+        self._straight(stage, state, *(_translated(self.tool_pose(state.grasp), move) for move in moves))
         self.bears(stage, state.grasp)
         return stage
 
@@ -190,9 +189,9 @@ class Handling(Checks):
 
     def _straight(self, stage: Stage, state: Reached, *targets: FloatArray, backwards: bool = False) -> None:
         """Give a stage the straight way from a state past tool poses (4, 4) in the world, if there is one."""
-        stage.straight(self._past(state.q[None], state.grasp, *targets), state.q, backwards)
+        stage.straight(self._continued(state.q[None], state.grasp, *targets), state.q, backwards)
 
-    def _past(self, path: FloatArray | None, grasp: Grasp, *targets: FloatArray) -> FloatArray | None:
+    def _continued(self, path: FloatArray | None, grasp: Grasp, *targets: FloatArray) -> FloatArray | None:
         """A path (k, n) and the straight way on from its end past tool poses (4, 4) in the world, if any."""
         for target in targets:
             if path is not None:
@@ -200,23 +199,26 @@ class Handling(Checks):
                 path = None if line is None else np.concatenate([path, line[1:]])
         return path
 
-    def way_from_all(self, places: Sequence[Placement]) -> FloatArray | None:
+    def shared_way_out(self, places: Sequence[Placement]) -> FloatArray | None:
         """(3,) the way out of the first of some places, as the object is now, if all are left level.
 
         No hand from above gets into any of them: fingers have to come in against that way.
         """
-        if not places or places[0].how in IN_HAND:
-            return None
-        ways = [self._ways_in(place, 1.0) for place in places]
-        if any(len(way) == 1 for way in ways):
+        held = any(place.how in IN_HAND for place in places[:1])
+        ways = [] if held else [self._moves_out(place, 1.0) for place in places]
+        if not ways or any(len(way) == 1 for way in ways):
             return None
         return places[0].pose_before_to_after[:3, :3].T @ (ways[0][1] - ways[0][0])
 
-    def _ways_in(self, place: Placement, length: float) -> tuple[FloatArray, ...]:
-        """(3,) moves from a place to above it; where something fixed is over it off it, and to before it."""
+    def _moves_out(self, place: Placement, length: float) -> tuple[FloatArray, ...]:
+        """(3,) moves from a place out: to above it, or where something fixed is over it to before it."""
         points = transformed(self.scene.clouds[self.name], place.pose_before_to_after)
-        out, off = self.situation.way_from(points), OFF_BOARD * self.up
-        return (length * out,) if out @ self.up > 0.5 else (off, off + length * out)
+        return self._moves(self.situation.way_out_from(points), length)
+
+    def _moves(self, out: FloatArray, length: float) -> tuple[FloatArray, ...]:
+        """(3,) moves along a way out: off what it stands on first, where that is not up."""
+        off = OFF_BOARD * self.up
+        return (length * out,) if leads_up(out, self.up) else (off, off + length * out)
 
     def open_ends(
         self, grasp: Grasp, places: Sequence[Placement], drop: float, retreat: float, log: FailureLog
@@ -246,7 +248,7 @@ class Handling(Checks):
             poses = [p.pose_before_to_after @ self.tool_pose(grasp) @ back for p in found]
             if checker is carrying and way:
                 both = zip(poses, found, strict=True)
-                poses = [_shifted(pose, self._ways_in(place, way)[-1]) for pose, place in both]
+                poses = [_translated(pose, self._moves_out(place, way)[-1]) for pose, place in both]
             clear = self._clear_of([grasp] * len(found), poses, [checker] * len(found), step, log)
             found = [place for place, free in zip(found, clear, strict=True) if free]
         return found
@@ -304,13 +306,13 @@ class Handling(Checks):
         """Of places with tool poses and states there those with straight ways in and out."""
         states, to_base = np.array([q for _, _, q in tried]), self.world_to_base
         above, back = np.array([to_base @ target for _, target, _ in tried]), np.eye(4)
-        moves = [self._ways_in(place, ways[0]) for place, _, _ in tried]
+        moves = [self._moves_out(place, ways[0]) for place, _, _ in tried]
         above[:, :3, 3] += [to_base[:3, :3] @ first for first, *_ in moves]
         back[2, 3] = -ways[1]
         out = np.array([to_base @ target @ back for _, target, _ in tried])
         raised = straight_lines(self.arm, states, above, grasp.tool)
         for k, ((_, target, _), (_, *then)) in enumerate(zip(tried, moves, strict=True)):
-            raised[k] = self._past(raised[k], grasp, *(_shifted(target, move) for move in then))
+            raised[k] = self._continued(raised[k], grasp, *(_translated(target, move) for move in then))
         drawn = straight_lines(self.arm, states, out, grasp.tool)
         found: list[Placement] = []
         for (place, _, q), rising, leaving in zip(tried, raised, drawn, strict=True):
@@ -324,7 +326,7 @@ class Handling(Checks):
                 yield End(place, lower.way, retreat.way)
 
 
-def _shifted(pose: FloatArray, move: FloatArray) -> FloatArray:
+def _translated(pose: FloatArray, move: FloatArray) -> FloatArray:
     """A pose (4, 4) that is elsewhere by (3,) [m]."""
     shifted = pose.copy()
     shifted[:3, 3] += move

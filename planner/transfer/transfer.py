@@ -138,7 +138,7 @@ def plan_transfer(
         workplace = station.pose_base_to_world @ workplace_of(arm)
         places = placements(name, situation, pose_base_to_world=workplace, scale=scale_of(arm))
     handling = Handling(name, situation, station, tuple(asked.riding), seed, asked.obstacles)
-    find = partial(grasp_candidates, name, situation, wide=bool(avoid), out=handling.way_from_all(places))
+    find = partial(grasp_candidates, name, situation, wide=bool(avoid), out=handling.shared_way_out(places))
     spare = {tool: shape for tool, shape in shapes_of(arm).items() if shape.spare}
     if grasps is None:
         few = find(arm, enough=limits.enough) if limits.enough < np.inf and not avoid else []

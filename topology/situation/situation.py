@@ -30,7 +30,7 @@ from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
 from topple.topology.statics.tolerances import SHOWN
-from topple.topology.statics.way_out import along, continued_boards, way_out
+from topple.topology.statics.way_out import along, continued_boards, leads_up, way_out
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,16 +286,16 @@ class Situation:
 
     def way_out(self, name: str) -> FloatArray:
         """(3,) unit vector along which an object goes when taken: `up`, unless something fixed bars it."""
-        return self.way_from(self.scene.clouds[name])
+        return self.way_out_from(self.scene.clouds[name])
 
-    def way_from(self, points: FloatArray) -> FloatArray:
+    def way_out_from(self, points: FloatArray) -> FloatArray:
         """(3,) unit vector likewise of something whose points (N, 3) are elsewhere."""
         nothing_over = float((points @ self.up).max()) > self._highest
         return self.up if nothing_over else way_out(points, self._fixed, self.up)
 
     def goes_up(self, name: str) -> bool:
         """Whether the way out of an object is up, and not level."""
-        return float(self.way_out(name) @ self.up) > 0.5
+        return leads_up(self.way_out(name), self.up)
 
     def outwards(self, name: str) -> FloatArray:
         """(3, 3) axes of the upright frame, the rows, of which the third is the way out of an object."""

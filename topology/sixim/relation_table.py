@@ -16,8 +16,7 @@ from topple.topology.scene.scene import Scene
 from topple.topology.sixim.pair import PairRelation
 from topple.topology.sixim.table import Relation
 
-FORMAT = "topple.relations"
-FORMAT_VERSION = 1
+FORMAT, FORMAT_VERSION = "topple.relations", 1
 
 AnyTable = TypeVar("AnyTable", bound="RelationTable")
 

@@ -65,6 +65,11 @@ def way_out(own: FloatArray, fixed: FloatArray, up: FloatArray) -> FloatArray:
     return min(found, key=lambda each: each[0])[1] if found else up
 
 
+def leads_up(way: FloatArray, up: FloatArray) -> bool:
+    """Whether a way out (3,) is up (3,), and not level."""
+    return float(way @ up) > 0.5
+
+
 def continued_boards(
     cloud: FloatArray, up: FloatArray, empty: Callable[[FloatArray], BoolArray]
 ) -> FloatArray:
