@@ -25,7 +25,7 @@ lint: .venv/dev.stamp
 	$(BIN)/ruff format --check .
 	$(BIN)/codespell
 	$(BIN)/python .ci/prose.py
-	$(BIN)/pyright
+	$(BIN)/ty check
 
 # Whether this tree tells less of the truth than the commit that changes are held against; goes on where it was stopped.
 REFERENCE ?= f263487

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -101,7 +102,7 @@ def _killed(command: str, left: Sequence[Sequence[str]]) -> Killed:
 
 def _scene(place: Path) -> tuple[str, ...]:
     clouds = scene_for("free lower").clouds
-    np.savez(str(place / "scene.npz"), **{name: cloud for name, cloud in clouds.items()})  # pyright: ignore[reportArgumentType]
+    np.savez(str(place / "scene.npz"), **dict[str, Any](clouds))
     return "scene.npz", "--fixed", "table", "--up", "0", "0", "1"
 
 

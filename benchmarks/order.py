@@ -244,7 +244,7 @@ def _command(scene: Scene) -> float:
     with tempfile.TemporaryDirectory(prefix="topple-") as folder:
         path = Path(folder) / "scene.npz"
         fixed = np.array(sorted(scene.fixed))
-        np.savez(path, up=np.asarray(scene.up), fixed=fixed, **dict(scene.clouds))  # type: ignore[arg-type]
+        np.savez(path, up=np.asarray(scene.up), fixed=fixed, **dict[str, Any](scene.clouds))
         call = [sys.executable, "-m", "topple.planner.cli.main", "order", str(path), "--json"]
         subprocess.run(call, check=True, capture_output=True)  # reads what the next run finds in memory
         begun = time.perf_counter()

@@ -21,7 +21,7 @@ __all__ = ["pybullet"]
 
 def _quietly(module: str) -> None:
     """Import a module that greets on stderr from C."""
-    if sys.stderr is None or module in sys.modules:  # pyright: ignore[reportUnnecessaryComparison]
+    if sys.stderr is None or module in sys.modules:
         importlib.import_module(module)
         return
     sys.stderr.flush()

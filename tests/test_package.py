@@ -117,7 +117,7 @@ def test_what_a_program_uses_is_listed_and_typed(tmp_path: Path) -> None:
     every = f"every: list[object] = [{', '.join(names)}]"
     program.write_text(f"{modules}{PROGRAM}\n{every}\n", encoding="utf-8")
     source = ["--config-file", "", "--cache-dir", str(tmp_path), "--follow-imports", "silent"]
-    for checker in (["mypy", "--strict", *source], ["pyright", "--pythonpath", sys.executable]):
+    for checker in (["mypy", "--strict", *source], ["ty", "check", "--python", sys.executable]):
         done = subprocess.run([sys.executable, "-m", *checker, str(program)], capture_output=True, text=True)
         assert done.returncode == 0, done.stdout + done.stderr
 

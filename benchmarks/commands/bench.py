@@ -197,7 +197,9 @@ def _side_by_side(rows: Sequence[Mapping[str, Any]]) -> Table:
         if row["baseline_value"] is not None:
             line[row["baseline"]] = _figure(row["baseline_value"], "")
     columns = [*ours, *theirs]
-    cells = [(what, *(line.get(column, "") for column in columns)) for what, line in lines.items()]
+    cells: list[tuple[str, ...]] = [
+        (what, *(line.get(column, "") for column in columns)) for what, line in lines.items()
+    ]
     return ["what", *columns], cells, list(range(1, len(columns) + 1))
 
 

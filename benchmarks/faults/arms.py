@@ -113,7 +113,7 @@ class Pushed(Through):
         inner, world = self.inner, self.inner.world
         tool = next(iter(inner.arm.tools))
         link = inner.arm.tool(tool).link
-        number = inner._link[link]  # pyright: ignore[reportPrivateUsage]
+        number = inner._link[link]
         start, direction = world.time, np.array([np.cos(self._aside), np.sin(self._aside), 0.0])
         off = False
 

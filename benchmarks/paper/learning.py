@@ -85,13 +85,11 @@ def train(examples: list[Example], seed: int = 0) -> Learned:
     Returns:
         What was learned.
     """
-    from sklearn.cluster import KMeans  # pyright: ignore[reportMissingImports]
+    from sklearn.cluster import KMeans
 
     table = np.array([example for example, _ in examples])
     mean, spread = table.mean(axis=0), np.maximum(table.std(axis=0), 1e-9)
-    found: Any = KMeans(  # pyright: ignore[reportUnknownVariableType]
-        n_clusters=min(CLUSTERS, len(table)), random_state=seed
-    ).fit((table - mean) / spread)
+    found: Any = KMeans(n_clusters=min(CLUSTERS, len(table)), random_state=seed).fit((table - mean) / spread)
     labels: IntArray = np.asarray(found.labels_)
     names = np.array([relation for _, relation in examples])
     relations: list[Relation] = []
@@ -160,8 +158,8 @@ def features(a: FloatArray, b: FloatArray, up: FloatArray) -> FloatArray:
         and along `up`, shares of support vectors on either side, and height of the contact in a and in b.
     """
     from scipy.spatial import KDTree
-    from sklearn.exceptions import ConvergenceWarning  # pyright: ignore[reportMissingImports]
-    from sklearn.svm import SVC  # pyright: ignore[reportMissingImports]
+    from sklearn.exceptions import ConvergenceWarning
+    from sklearn.svm import SVC
 
     near_a = a[np.argsort(np.asarray(KDTree(b).query(a)[0]))[:POINTS]]
     near_b = b[np.argsort(np.asarray(KDTree(a).query(b)[0]))[:POINTS]]

@@ -118,7 +118,7 @@ class Play:
 
     def __init__(self, path: Path) -> None:
         """Read it from its MJCF file."""
-        self.engine = import_module("mujoco")
+        self.engine: Any = import_module("mujoco")
         self.model = self.engine.MjModel.from_xml_path(str(path))
         self.data = self.engine.MjData(self.model)
         kinds = self.engine.mjtObj

@@ -1,9 +1,7 @@
 """Ways to spoil a plan: each changes its document, or the scene it is checked with, and is to be noticed."""
 
-from collections.abc import Callable
 from inspect import isfunction
-from types import ModuleType
-from typing import Any
+from types import FunctionType, ModuleType
 
 from topple.benchmarks.sabotages import (
     actions,
@@ -17,10 +15,9 @@ from topple.benchmarks.sabotages import (
     scenes,
     unreadable,
 )
-from topple.benchmarks.sabotages.document import Sabotage
 
 
-def _all_of(*modules: ModuleType) -> tuple[Callable[..., Any], ...]:
+def _all_of(*modules: ModuleType) -> tuple[FunctionType, ...]:
     return tuple(
         found
         for module in modules
@@ -29,8 +26,8 @@ def _all_of(*modules: ModuleType) -> tuple[Callable[..., Any], ...]:
     )
 
 
-SPOILT: tuple[Sabotage, ...] = _all_of(actions, hand, grasps, places, carried, motions, orders, premises)
+SPOILT = _all_of(actions, hand, grasps, places, carried, motions, orders, premises)
 """What verification has to refute."""
-UNREADABLE: tuple[Sabotage, ...] = _all_of(unreadable)
+UNREADABLE = _all_of(unreadable)
 """What reading has to refuse by path."""
 OTHER_SCENES = _all_of(scenes)

@@ -75,5 +75,5 @@ def _rounded(points: FloatArray) -> FloatArray:
 def keep(arrays: Arrays, path: Path) -> None:
     """Write what topple is given, whole or not at all."""
     buffer = BytesIO()
-    np.savez_compressed(buffer, **arrays)  # type: ignore[arg-type]
+    np.savez_compressed(buffer, **dict[str, Any](arrays))
     write_whole(path, buffer.getvalue())

@@ -12,7 +12,7 @@ from topple.robots.engines import DEFAULT_ENGINE, ENGINES
 class ShowVersion(argparse.Action):
     """Looks the version up only when asked: the metadata takes longer than the rest of the start."""
 
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:  # type: ignore
         """Print the version and leave."""
         from importlib.metadata import version
 
@@ -230,7 +230,7 @@ def _group(parser: argparse.ArgumentParser, option: str) -> Any:
     title = next((title for title, names in GROUPS.items() if option in names), None)
     if title is None:
         return parser
-    known = {group.title: group for group in parser._action_groups}  # pyright: ignore[reportPrivateUsage]
+    known = {group.title: group for group in parser._action_groups}
     return known[title] if title in known else parser.add_argument_group(title)
 
 

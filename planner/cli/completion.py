@@ -52,5 +52,5 @@ complete -o default -F _topple topple
 
 def _options(parser: argparse.ArgumentParser) -> list[str]:
     """The long options of a command."""
-    flags = [flag for action in parser._actions for flag in action.option_strings]  # pyright: ignore[reportPrivateUsage]
+    flags = [flag for action in parser._actions for flag in action.option_strings]
     return [flag for flag in flags if flag.startswith("--")]

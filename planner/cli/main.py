@@ -107,7 +107,7 @@ class _Parser(argparse.ArgumentParser):
         """Leave because of arguments that it does not have."""
         from topple.topology.base.errors import suggestion
 
-        options = [flag for action in self._actions for flag in action.option_strings]  # pyright: ignore[reportPrivateUsage]
+        options = [flag for action in self._actions for flag in action.option_strings]
         meant = suggestion(unknown[0].partition("=")[0], options) if unknown[0].startswith("--") else ""
         self.error("; ".join(filter(None, [f"unrecognized arguments: {' '.join(unknown)}", meant.strip()])))
 
@@ -115,7 +115,7 @@ class _Parser(argparse.ArgumentParser):
 class _ShowCompletion(argparse.Action):
     """Prints a shell's completion script; every command's options are read for it."""
 
-    def __call__(self, parser: argparse.ArgumentParser, _: object, shell: object, *__: object) -> None:
+    def __call__(self, parser: argparse.ArgumentParser, _: object, shell: object, *__: object) -> None:  # type: ignore
         """Print the script and leave."""
         from topple.planner.cli.completion import completion
 

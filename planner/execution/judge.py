@@ -63,7 +63,7 @@ class Judge:
         wanted: Mapping[str, FloatArray] | None = None,
         second: ActingArm | None = None,
     ) -> None:
-        self._arms = (robot,) if second is None else (robot, second)
+        self._arms: tuple[ActingArm, ...] = (robot,) if second is None else (robot, second)
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
         self._wanted, self._first = wanted, robot.world.poses()
         self._gone: set[str] = set()  # handed on, or in a bin: no more of what the goal is about

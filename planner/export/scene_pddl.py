@@ -50,7 +50,7 @@ def scene_pddl(order: Mapping[str, Any]) -> tuple[str, str]:
         movable = [*order["order"], *(name for edge in edges for name in edge[:2])]
         targets = order["targets"] or order["order"]
         symbols = symbols_of([*movable, *(name for support in held for name in support[:2])])
-        facts = [("in" if kind == "contained" else "on", x, y) for x, y, kind in held]
+        facts: list[tuple[str, ...]] = [("in" if kind == "contained" else "on", x, y) for x, y, kind in held]
         facts += [("in", x, y) for x, y, reason in edges if reason == "contained"]
         facts += [("before", x, y) for x, y, _ in edges]
         facts += [("movable", name) for name in movable]

@@ -27,7 +27,7 @@ def read(path: Path) -> ForeignGrasps:
     """
     name = str(path)
     try:
-        import yaml  # pyright: ignore[reportMissingModuleSource]
+        import yaml
     except ImportError as error:
         raise NotInstalled(f"{name}: isaac_grasp files need PyYAML", "yaml") from error
     try:

@@ -114,7 +114,7 @@ def plan(
     wanted = task.goal(scene)
     scene = check_masks(scene, wanted.names)
     asked = None if relations is None or isinstance(relations, Relations) else relations
-    first = check_relations(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
+    first = check_relations(asked(scene) if asked else relations, scene)  # type: ignore
     situation = Situation.of(scene, first)
     check_up(situation.sized.scene, situation.sized.statics)
     given = scene.robot_base

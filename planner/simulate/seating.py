@@ -24,7 +24,7 @@ from topple.planner.simulate.tolerances import (
 )
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
-from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, cells_over
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import inset
 from topple.topology.views.free_space import FreeSpace
@@ -289,9 +289,7 @@ def _look_below(shape: Shape, others: Sequence[Shape], floor: float) -> _Under |
     """Hold the underside of a body against everything below it."""
     corners = np.concatenate([piece.corners for piece in shape])
     lower, upper = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
-    x = np.arange(lower[0] + CELL / 2, upper[0] + CELL / 2, CELL)
-    y = np.arange(lower[1] + CELL / 2, upper[1] + CELL / 2, CELL)
-    cells = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    cells = cells_over(lower, upper, CELL)
     bottoms = np.stack([_column(piece, cells)[0] for piece in shape])
     piece = np.argmin(bottoms, axis=0)
     bottom = bottoms.min(axis=0)

@@ -46,6 +46,12 @@ def middle_of(points: FloatArray) -> FloatArray:
     return np.einsum("ni->i", points) / len(points)
 
 
+def cells_over(lower: FloatArray, upper: FloatArray, size: float) -> FloatArray:
+    """Centres (N, 2) of square cells of a size over a rectangle, the second axis fastest."""
+    ticks = [np.arange(low + size / 2, high + size / 2, size) for low, high in zip(lower, upper, strict=True)]
+    return np.column_stack([each.ravel() for each in np.meshgrid(*ticks, indexing="ij")])
+
+
 def lengths(vectors: FloatArray) -> FloatArray:
     """Lengths of vectors.
 

@@ -41,7 +41,7 @@ class ByValue:
 
     def _compared(self) -> list[Any]:
         """What is compared: all fields, unless a class says otherwise."""
-        return [getattr(self, each.name) for each in fields(self) if each.compare]  # type: ignore[arg-type]
+        return [getattr(self, each.name) for each in fields(self) if each.compare]  # type: ignore
 
     def __eq__(self, other: object) -> bool:
         """Compare field by field; arrays by shape, type and every value."""

@@ -103,7 +103,7 @@ class WorkerPool(Executor):
         """Have a call made by the next process that is free; both have to pickle."""
         return self._threads.submit(self._asked, fn, args, kwargs)
 
-    def _asked(self, fn: Callable[..., Answer], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Answer:
+    def _asked(self, fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
         """What the process of this thread answers."""
         pid: int | None = getattr(self._of_thread, "pid", None)
         if pid is None:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.base.arrays import FloatArray, bounds, lengths
+from topple.topology.base.arrays import FloatArray, bounds, cells_over, lengths
 from topple.topology.base.remembered import remembered
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import (
@@ -306,7 +306,7 @@ def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:
 def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:
     """(N, 2) cell centres inside the plan view of a hull."""
     corners = points[hull.vertices][:, :2]
-    return _over(corners, _grid(*bounds(corners)))
+    return _over(corners, cells_over(*bounds(corners), VOXEL))
 
 
 def _over(corners: FloatArray, cells: FloatArray) -> FloatArray:
@@ -320,13 +320,6 @@ def _lower_height(hull: ConvexHull, cells: FloatArray) -> FloatArray:
     down = hull.equations[hull.equations[:, 2] < -1e-6]
     heights = -(cells @ down[:, :2].T + down[:, 3]) / down[:, 2]
     return np.asarray(heights.max(axis=1), dtype=np.float64)
-
-
-def _grid(lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """(N, 2) centres of cells of `VOXEL` over a rectangle."""
-    x = np.arange(lower[0] + VOXEL / 2, upper[0] + VOXEL / 2, VOXEL)
-    y = np.arange(lower[1] + VOXEL / 2, upper[1] + VOXEL / 2, VOXEL)
-    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 def _hull(points: FloatArray) -> ConvexHull | None:

@@ -62,8 +62,8 @@ class Surfaces:
         """The scene turned upright; as the one it came of was, where anything is fixed that tells."""
         scene, like = self.scene, self._like
         assert scene is not None, "asked for by somebody who has the scene"
-        told = like is not None and like.scene is not None and bool(scene.fixed)
-        return Upright.of(scene, like.upright.rotation if told and like is not None else None)
+        told = like if like is not None and like.scene is not None and scene.fixed else None
+        return Upright.of(scene, told.upright.rotation if told else None)
 
     @cached_property
     def sight(self) -> FreeSpace | None:

@@ -111,7 +111,7 @@ def assemble(
         matter=parts.matter,
     )  # fmt: skip
     scene = scene.weighed(parts.masses, parts.friction, parts.centres).upright()
-    return scene.examined(parts.background, robot(scene) if callable(robot) else robot)
+    return scene.examined(parts.background, robot if isinstance(robot, Iterable) else robot(scene))
 
 
 def _as_cloud(name: str, points: ArrayLike) -> FloatArray:

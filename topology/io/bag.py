@@ -370,7 +370,7 @@ def labelled_points(message: Any, where: str) -> tuple[FloatArray, NDArray[Any]]
         }
     )
     rows = np.frombuffer(bytes(message.data), np.uint8)[: height * row].reshape(height, row)
-    points = np.ascontiguousarray(rows[:, : width * step]).view(record).ravel()
+    points: NDArray[Any] = np.ascontiguousarray(rows[:, : width * step]).view(record).ravel()
     labels = points["label"]
     if labels.dtype.kind == "f" and np.isfinite(labels).all():
         labels = np.round(labels)

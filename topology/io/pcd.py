@@ -5,6 +5,7 @@ Format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html, ve
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ LABELS = ("label", "object_id", "object", "instance")
 
 @dataclass(frozen=True)
 class _Header:
-    record: np.dtype[np.void]
+    record: np.dtype[Any]
     points: int
     storage: str
     organised: bool

@@ -55,7 +55,7 @@ def _add(parts: Parts, folder: Path, number: int, entry: Any) -> None:
     name = as_name(cast(str, entry["name"]))
     if name in parts.clouds:
         raise InvalidInput(f"two objects are called {name!r}: give each its own name")
-    pose = as_pose(cast(Any, entry.get("pose")), f"pose of {name!r}")
+    pose = as_pose(entry.get("pose"), f"pose of {name!r}")
     points, faces, vertices = read_geometry(folder / cast(str, entry["mesh"]), f"mesh of {name!r}")
     parts.clouds[name] = transformed(points, pose)
     if faces is not None:

@@ -53,7 +53,7 @@ def told_in(document: Mapping[str, Any], relations: AnyTable) -> AnyTable:
 
 
 def _entries(document: Mapping[str, Any]) -> list[Any]:
-    entries = document.get("relations") if isinstance(document, Mapping) else None  # pyright: ignore
+    entries = document.get("relations") if isinstance(document, Mapping) else None  # type: ignore
     told = {"format": FORMAT, "format_version": FORMAT_VERSION}
     if not isinstance(entries, list) or any(document.get(key, value) != value for key, value in told.items()):
         raise InvalidInput(

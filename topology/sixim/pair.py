@@ -6,6 +6,8 @@ from functools import cached_property, partial
 from math import inf
 from typing import Any
 
+import numpy as np
+
 from topple.topology.base.arrays import IntArray
 from topple.topology.base.values import ByValue, rounded
 from topple.topology.sixim.table import Relation, converse_matrix
@@ -52,12 +54,12 @@ class PairRelation(ByValue):
     @cached_property
     def matrix(self) -> IntArray:
         """(2, 3) counts [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]]."""
-        return self.counts() if callable(self.counts) else self.counts
+        return self.counts if isinstance(self.counts, np.ndarray) else self.counts()
 
     @cached_property
     def gap(self) -> float:
         """Smallest distance of the two surfaces [m], negative by the depth of overlap."""
-        return self.distance() if callable(self.distance) else self.distance
+        return self.distance if isinstance(self.distance, float | int) else self.distance()
 
     def within(self, limit: float) -> bool:
         """Tell whether the gap is at most so wide [m], measuring it only where its bound does not tell."""

@@ -110,7 +110,7 @@ def _standing(statics: Statics) -> tuple[tuple[Contact, ...], Mapping[str, Float
         return statics.contacts, statics.surfaces
     low, high = bounds(np.concatenate(list(statics.surfaces.values())))
     along, across = (np.arange(low[k], high[k] + VOXEL, 2 * VOXEL) for k in (0, 1))
-    plan = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
+    plan = np.column_stack([each.ravel() for each in np.meshgrid(along, across)])
     floor = np.column_stack([plan, np.full(len(plan), low[2])])
     clouds = FrozenDict({**statics.upright.clouds, _FLOOR: floor})
     tops, rest = FrozenDict({_FLOOR: (floor,)}), FrozenDict({_FLOOR: np.empty((0, 3))})

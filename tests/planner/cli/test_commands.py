@@ -337,7 +337,7 @@ def test_of_many_objects_only_pairs_that_are_not_far_are_listed(
         for k, (x, y) in enumerate(places)
     }
     clouds["on box 0"] = _surface((0, 0, 0.05), (0.05, 0.05, 0.1), 60)
-    np.savez(tmp_path / "many.npz", **clouds)  # pyright: ignore[reportArgumentType]
+    np.savez(tmp_path / "many.npz", **clouds)  # type: ignore
     command = ["relate", str(tmp_path / "many.npz"), "--plain", "--json"]
     assert main(command) == 0
     few = json.loads(capsys.readouterr().out)

@@ -3,7 +3,7 @@ import pytest
 from topple.planner.cli.tables import print_order, print_relations
 from topple.planner.decide.words import millimetres
 from topple.planner.motion.collision import Contact
-from topple.planner.motion.planner import _says  # pyright: ignore[reportPrivateUsage]
+from topple.planner.motion.planner import _says
 from topple.topology.base.values import rounded
 
 

@@ -107,7 +107,6 @@ def test_a_step_is_judged_by_what_moved_fell_or_was_hit() -> None:
 
 def test_nothing_in_the_loop_places_objects_or_switches_collisions_off() -> None:
     import topple.planner.execution.execute
-    import topple.planner.execution.loop
     import topple.robots.world.simulated_arm
     import topple.robots.world.vacuum
 
