@@ -7,19 +7,23 @@ import numpy as np
 from topple.planner.verify.replay import Finding, Replay
 from topple.planner.verify.tolerances import FILLED, LOOKED, SHARE, STRAYS
 from topple.robots.poses import inverse
-from topple.topology.base.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray, bounds, within_corners
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.geometry.thin import spacing_of, voxel_means
 
-Sides = dict[str, list[FloatArray]]
-"""By name the sides of convex parts."""
+Solid = tuple[FloatArray, FloatArray, FloatArray]
+"""Sides of a convex part, and the corners of its box."""
 
 
-def _sides(replay: Replay) -> Sides:
-    return {name: [joggled_sides(part) for part in parts] for name, parts in replay.parts.items()}
+def _solids(parts: Sequence[FloatArray]) -> list[Solid]:
+    return [(joggled_sides(part), *bounds(part)) for part in parts]
+
+
+def _objects(replay: Replay) -> dict[str, list[Solid]]:
+    return {name: _solids(parts) for name, parts in replay.parts.items()}
 
 
 def _depths(replay: Replay) -> tuple[tuple[bool, Finding], ...]:
@@ -29,12 +33,8 @@ def _depths(replay: Replay) -> tuple[tuple[bool, Finding], ...]:
     all that is.
     """
     scene, arm, found = replay.scene, replay.arm, list[tuple[bool, Finding]]()
-    objects = replay.once(_sides)
-    hulls = {
-        name: [joggled_sides(part) for part in parts]
-        for name, parts in zip(arm.links, arm.parts, strict=True)
-        if parts
-    }
+    objects = replay.once(_objects)
+    hulls = {name: _solids(parts) for name, parts in zip(arm.links, arm.parts, strict=True) if parts}
     every = max(round(LOOKED / replay.spacing), 1)
     for piece in replay.pieces:
         numbers = np.unique([*range(0, len(piece.states), every), len(piece.states) - 1])
@@ -76,7 +76,7 @@ def pressed(replay: Replay) -> Iterator[Finding]:
 def outside(replay: Replay) -> Iterator[Finding]:
     """How far seen points are outside of the plan's bodies [m]."""
     for name, cloud in replay.scene.clouds.items():
-        sides = replay.once(_sides)[name]
+        sides = [sides for sides, *_ in replay.once(_objects)[name]]
         out = beyond_all(sides, cloud)
         yield Finding(float(np.quantile(out, SHARE)), name)
         # a post on a large table is less than the share of strays, but its points hang together
@@ -90,7 +90,10 @@ def beyond_all(solids: Sequence[FloatArray], points: FloatArray) -> FloatArray:
     return np.min([beyond(sides, points) for sides in solids], axis=0)
 
 
-def _depth(points: FloatArray, solids: Sequence[FloatArray]) -> float:
+def _depth(points: FloatArray, solids: Sequence[Solid]) -> float:
     """How deep points are in solids [m], a few strays left out."""
-    deep = -beyond_all(solids, points)
-    return max(0.0, float(np.sort(deep)[max(len(deep) - 1 - STRAYS, 0)]))
+    deep = np.zeros(len(points))
+    for sides, lower, upper in solids:
+        near = within_corners(points, lower, upper)  # a large table has few points in a hand
+        deep[near] = np.maximum(deep[near], -beyond(sides, points[near]))
+    return float(np.sort(deep)[max(len(deep) - 1 - STRAYS, 0)])
