@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from on_table import table
 
 from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
 from topple.planner.execution.look import Look
@@ -131,10 +132,7 @@ class Ghost:
 
 def seen(height: float = HEIGHT) -> Scene:
     points = shapes.box("box", (0.05, 0.05, height)).surface(6000, np.random.default_rng(0))
-    grid = np.stack(np.meshgrid(np.arange(-0.6, 0.6, 0.008), np.arange(-0.6, 0.6, 0.008)), -1).reshape(-1, 2)
-    return Scene(
-        {"box": points, "table": np.column_stack([grid, np.zeros(len(grid))])}, fixed=["table"], up=(0, 0, 1)
-    )
+    return Scene({"box": points, "table": table(0.6)}, fixed=["table"], up=(0, 0, 1))
 
 
 def planned(name: str) -> Transfer:

@@ -1,6 +1,7 @@
 """Carrying a transfer out: what is not where it was seen is met, not pushed."""
 
 import numpy as np
+from on_table import table
 
 from topple.planner.execution.execute import execute
 from topple.planner.grasp.grasp import Grasp
@@ -27,9 +28,7 @@ def _seen(height: float) -> Scene:
 def _on_table(body: Body) -> Scene:
     """A body on a table, as whole clouds show it."""
     points = body.surface(3000, np.random.default_rng(0))
-    grid = np.stack(np.meshgrid(np.arange(-0.6, 0.6, 0.008), np.arange(-0.6, 0.6, 0.008)), -1).reshape(-1, 2)
-    table = np.column_stack([grid, np.zeros(len(grid))])
-    return Scene({body.name: points, "table": table}, fixed=["table"], up=(0, 0, 1))
+    return Scene({body.name: points, "table": table(0.6)}, fixed=["table"], up=(0, 0, 1))
 
 
 def test_a_cup_that_meets_the_object_early_is_not_pressed_on() -> None:

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pybullet
 import pytest
+from on_table import table
 
 from topple.planner.execution.execute import execute
 from topple.planner.execution.tolerances import TOUCHDOWN
@@ -31,9 +32,7 @@ KNOCK = {0.0: 10.0, 0.006: 65.0}
 
 def _scene(body: Body) -> Scene:
     points = _from_above(body.surface(30000, np.random.default_rng(0)))
-    grid = np.stack(np.meshgrid(np.arange(-0.6, 0.6, 0.008), np.arange(-0.6, 0.6, 0.008)), -1).reshape(-1, 2)
-    table = np.column_stack([grid, np.zeros(len(grid))])
-    return Scene({body.name: points, "table": table}, fixed=["table"], up=(0, 0, 1))
+    return Scene({body.name: points, "table": table(0.6)}, fixed=["table"], up=(0, 0, 1))
 
 
 def _from_above(points: np.ndarray) -> np.ndarray:
