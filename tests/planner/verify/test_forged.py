@@ -173,6 +173,19 @@ def altered(value: Any) -> Any:
     return ["ghost", "other"] if value is None else f"{value}x"
 
 
+def forged(value: Any, path: tuple[Any, ...]) -> Any:
+    """A document with another value at a place, or one more at the end of a list; the rest is shared."""
+    here, *deeper = path
+    changed = copy.copy(value)
+    if deeper:
+        changed[here] = forged(value[here], tuple(deeper))
+    elif isinstance(value, list) and here == len(value):
+        changed.append("ghost")
+    else:
+        changed[here] = altered(value[here])
+    return changed
+
+
 def forgeries() -> dict[str, dict[str, Any]]:
     """One document for each field, in which it is another; a list that is empty has one thing more."""
     found: dict[str, dict[str, Any]] = {}
@@ -184,15 +197,7 @@ def forgeries() -> dict[str, dict[str, Any]]:
         more = isinstance(holder, list) and path[-1] == len(holder)
         if name in found or (more and holder):
             continue
-        changed = copy.deepcopy(whole)
-        inner: Any = changed
-        for key in path[:-1]:
-            inner = inner[key]
-        if more:
-            inner.append("ghost")
-        else:
-            inner[path[-1]] = altered(holder[path[-1]])
-        found[name] = changed
+        found[name] = forged(whole, path)
     return found
 
 
