@@ -7,6 +7,9 @@ import numpy as np
 FRICTION = 0.7
 """PyBullet multiplies: two household things then touch with 0.5, between glaze (0.3) and card (0.7)."""
 
+LINK_FRICTION = 0.5
+"""Of an arm's links whose file says none: Bullet's own, as of paint on steel."""
+
 ROLLING = 5e-4
 """[m] lever of the rolling resistance: 1.5 % of a can's radius, as for thin steel on wood."""
 
