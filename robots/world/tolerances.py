@@ -107,6 +107,16 @@ PAD_DAMPING = 3.3e4
 """[N s/m] with which a step of 1/240 s takes back a ninth of the depth, as PyBullet's own Panda does."""
 
 
+# -- touch
+
+BRUSH = 5.0
+"""[N] that a robot may press with for long on what it does not handle: the weight of half a kilogram breaks
+nothing, and what it moves counts as moved."""
+
+CHATTER = 0.02
+"""[s] without a contact until a touch has ended: those of stiff things chatter at 100 Hz and more."""
+
+
 # -- vacuum
 
 CLEAR = 2.5e-3
