@@ -114,7 +114,7 @@ class Ending:
         memory: What the process holds afterwards [bytes].
         process: Which process played it: those of one number came one after the other.
         used: Largest share of a limit that something which was not handled came to: of what it may move, turn
-            or be pressed with; above 1 it was disturbed.
+            or be hit by; above 1 it was disturbed.
         sagged: How far the body that moved most got while a rebuilt world, or one on another engine than it
             settled on, came to rest [m]; None where it is neither.
         fallbacks: What was tried to find a step where the plain way failed, and whether that step succeeded.
@@ -329,7 +329,7 @@ def _ending(record: RunRecord) -> str:
     """The worst that happened, as one of `ENDINGS`."""
     if record.success:
         return "success"
-    if any(force > LIMITS.hit for step in record.steps for force in step.forces.values()):
+    if any(hit > LIMITS.hit for step in record.steps for hit in step.impulses.values()):
         return "hit"
     if any(_violated(step) for step in record.steps):
         return "disturbed"
@@ -347,7 +347,7 @@ def _violated(step: StepRecord) -> int:
         for name, (distance, angle) in step.disturbed.items()
         if distance > LIMITS.distance or angle > LIMITS.angle
     }
-    hit = {name for name, force in step.forces.items() if force > LIMITS.hit}
+    hit = {name for name, impulse in step.impulses.items() if impulse > LIMITS.hit}
     return len(moved | hit)
 
 
@@ -355,7 +355,7 @@ def _used(step: StepRecord) -> float:
     """The largest share of a limit that an action came to at what it was not about."""
     moved = [d / LIMITS.distance for d, _ in step.disturbed.values()]
     turned = [a / LIMITS.angle for _, a in step.disturbed.values()]
-    pressed = [force / LIMITS.hit for force in step.forces.values()]
+    pressed = [impulse / LIMITS.hit for impulse in step.impulses.values()]
     return max([0.0, *moved, *turned, *pressed])
 
 

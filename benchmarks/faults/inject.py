@@ -169,7 +169,7 @@ def _names(fault: Fault, text: str) -> bool:
 def _disturbed(step: StepRecord) -> int:
     """Objects an action moved, tipped or hit though it was not about them."""
     moved = {n for n, (way, turn) in step.disturbed.items() if way > LIMITS.distance or turn > LIMITS.angle}
-    return len(moved | {name for name, force in step.forces.items() if force > LIMITS.hit})
+    return len(moved | {name for name, hit in step.impulses.items() if hit > LIMITS.hit})
 
 
 def _one(kind: Callable[[Eye, int], Eye], first: int = 0) -> Eyes:

@@ -28,7 +28,7 @@ class Limits:
     Attributes:
         distance: Displacement in [m], in one action or in all since the object was last handled.
         angle: Turn in [rad], likewise; of the handled object how far a failed attempt may tip it.
-        hit: Contact force of the robot in [N] on something it does not handle.
+        hit: Impulse in [N s] of a touch of the robot, beyond a brush, on something it does not handle.
         fall: Drop in [m] from which a displaced object counts as fallen.
         drop: Height in [m] from which an object that slips out of the hand counts as dropped: crockery
             survives a finger's width.
@@ -127,7 +127,7 @@ class Judge:
             severity={name: self._fall(name, before[name], now[name]) for name in far},
             tilts=tilts(before, now, handled),
             forces={other: touch.force for other, touch in touched.items()},
-            impulses={other: touch.impulse for other, touch in touched.items()},
+            impulses={other: touch.hit for other, touch in touched.items()},
             slip=self._slip,
             dropped=dropped,
             robot_seconds=self._world.time - self._started,
@@ -226,15 +226,15 @@ def violations(
 
 
 def hits(touched: Mapping[str, Touch]) -> list[str]:
-    """One sentence for each object that was pressed by a robot that was not to handle it.
+    """One sentence for each object that was hit by a robot that was not to handle it.
 
     Args:
         touched: What a robot touched, by name.
     """
     return [
-        f"{name} was hit by {', '.join(sorted(touch.links))} with {touch.force:.0f} N"
+        f"{name} was hit by {', '.join(sorted(touch.links))} with {touch.hit:.1f} N s"
         for name, touch in touched.items()
-        if touch.force > LIMITS.hit
+        if touch.hit > LIMITS.hit
     ]
 
 

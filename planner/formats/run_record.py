@@ -33,7 +33,7 @@ class Verdict(ByValue):
         severity: How far the middle of what moved by more than counts fell [m], and with which energy [J].
         tilts: How far the others were tipped, turns about the vertical left out [rad], by name.
         forces: Largest contact force of the robot on an object not handled [N], by name.
-        impulses: What that contact amounted to over time [N s], by name.
+        impulses: The largest of one touch, of what pressed by more than a brush does [N s], by name.
         slip: Distance [m] and angle [rad] by which the object moved in the hand; None where it was not held.
         dropped: Whether the object fell out of the hand, further than crockery survives.
         robot_seconds: Simulated time the arm moved; None where not measured.

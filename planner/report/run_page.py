@@ -149,7 +149,7 @@ def _disturbed_by(step: StepRecord) -> list[str]:
     much = [
         name
         for name, (moved, turned) in far.items()
-        if moved > DISTURBED or turned > TURNED or step.forces.get(name, 0.0) > HIT
+        if moved > DISTURBED or turned > TURNED or step.impulses.get(name, 0.0) > HIT
     ]
     return sorted(much, key=lambda name: -far[name][0])
 
@@ -215,10 +215,11 @@ def _disturbed(step: StepRecord) -> str:
         f'<tr class="bad"><td>{escape(name)}</td><td class=number>'
         f"{_moved(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
         f"<td class=number>{f'{step.forces[name]:.1f} N' if name in step.forces else ''}</td>"
+        f"<td class=number>{f'{step.impulses[name]:.2f} N s' if name in step.impulses else ''}</td>"
         f"<td class=number>{fell.get(name, '')}</td></tr>"
         for name in names
     )
-    measured = ("moved", "turned", "force", "fell by, with")
+    measured = ("moved", "turned", "force", "hit", "fell by, with")
     return "<h2>Disturbed</h2>" + table(("object", *measured), rows, numbers=measured)
 
 

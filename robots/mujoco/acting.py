@@ -12,7 +12,7 @@ from topple.robots.mujoco.tolerances import CLOSING, MOST_PUSH, PUSHING, STIFFNE
 from topple.robots.mujoco.vacuum import MujocoVacuum
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.world.acting_arm import ActingArm
-from topple.robots.world.touch import note_touch
+from topple.robots.world.touch import note_touches
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
 from topple.topology.base.arguments import checked_arguments
@@ -127,9 +127,12 @@ class MujocoArm(ActingArm):
         self.world.step()
         if self.vacuum is not None:
             self.vacuum.check()
-        for a, b, _, _, force, _ in self.world.touches():
-            for own, other in ((a, b), (b, a)):
-                if own.robot and not other.robot and other.owner and force > 0.0:
-                    note_touch(self.touched, other.owner, own.owner, force, self.world.time_step)
+        contacts = [
+            (other.owner, own.owner, force)
+            for a, b, _, _, force, _ in self.world.touches()
+            for own, other in ((a, b), (b, a))
+            if own.robot and not other.robot and other.owner and force > 0.0
+        ]
+        note_touches(self.touched, contacts, self.world.time_step)
         for watch in self.on_step:
             watch()

@@ -13,7 +13,8 @@ from topple.robots.mujoco.tolerances import FINGER_ROTOR, GRIP, HARD, NO_SLIP, R
 from topple.robots.poses import position_and_quaternion
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import Physics, principal_axes
-from topple.robots.world.tolerances import FRICTION
+from topple.robots.world.tolerances import FRICTION, LINK_FRICTION
+from topple.robots.world.touch import rubbing
 from topple.topology.base.arrays import FloatArray
 
 TOUCHING, FLOOR = 3, 4
@@ -29,18 +30,14 @@ class Shape:
         owner: The body or the link it belongs to.
         moves: Whether it can move.
         robot: Whether it is an arm's.
-        friction: Coulomb coefficient, to be multiplied by that of what it touches.
-        lever: Of the friction about the normal, and against rolling [m].
-        rolling: Of the friction against rolling [m].
+        rough: (3,) Coulomb coefficient, lever of the friction about the normal [m], and against rolling [m].
     """
 
     name: str
     owner: str
     moves: bool
     robot: bool
-    friction: float
-    lever: float
-    rolling: float
+    rough: FloatArray
 
 
 @dataclass
@@ -88,7 +85,7 @@ class Blueprint:
                 name=f"floor {k}", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[5.0, 5.0, 0.1],
                 pos=[0.0, 0.0, height], group=FLOOR, contype=0, conaffinity=0,
             )  # fmt: skip
-            shapes.append(Shape(plane.name, "", False, False, FRICTION, 0.0, 0.0))
+            shapes.append(Shape(plane.name, "", False, False, np.array([FRICTION, 0.0, 0.0])))
         for body, pose, fixed in self.bodies.values():
             shapes += _add_body(spec, body, pose, fixed)
         if self.arm is not None:
@@ -104,11 +101,11 @@ class Blueprint:
 
 
 def _add_pair(spec: Any, a: Shape, b: Shape) -> None:
-    """What two shapes do where they touch: friction is the product, as PyBullet has it."""
-    slide, lever, rolling = a.friction * b.friction, max(a.lever, b.lever), max(a.rolling, b.rolling)
+    """What two shapes do where they touch, as PyBullet has it; see `topple.robots.mujoco.rolling`, too."""
+    slide, spin, roll = rubbing(a.rough, b.rough)
     spec.add_pair(
-        geomname1=a.name, geomname2=b.name, condim=6, friction=[slide, slide, lever, rolling, rolling],
-        solref=STIFF, solimp=HARD,
+        geomname1=a.name, geomname2=b.name, condim=6 if a.robot or b.robot else 3,
+        friction=[slide, slide, spin, roll, roll], solref=STIFF, solimp=HARD,
     )  # fmt: skip
 
 
@@ -146,8 +143,8 @@ def _add_body(spec: Any, body: Body, pose: FloatArray, fixed: bool) -> list[Shap
     for k, part in enumerate(body.parts):
         name = f"{body.name} {k}"
         _add_part(spec, added, name, part, TOUCHING)
-        lever = body.rolling
-        shapes.append(Shape(name, body.name, not fixed, False, body.friction, lever, lever))
+        rough = np.array([body.friction, body.rolling, body.rolling])
+        shapes.append(Shape(name, body.name, not fixed, False, rough))
     return shapes
 
 
@@ -223,9 +220,9 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
         for k, part in enumerate(arm.model.links[link].parts):
             name = f"robot {link} {k}"
             _add_part(spec, body, name, part, TOUCHING)
-            grip = jaw.friction if jaw is not None and pad else FRICTION
+            grip = jaw.friction if jaw is not None and pad else LINK_FRICTION
             give = jaw.give if jaw is not None and pad else 0.0
-            shapes.append(Shape(name, link, frame > 0, True, grip, give, 0.0))
+            shapes.append(Shape(name, link, frame > 0, True, np.array([grip, give, 0.0])))
     if jaw is not None:
         _couple(spec, jaw.joints, jaw.joint_values)
     for name in hand:

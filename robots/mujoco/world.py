@@ -9,6 +9,7 @@ import numpy as np
 from topple.robots.arm.arm import Arm
 from topple.robots.mujoco.engine import mujoco
 from topple.robots.mujoco.model import TOUCHING, Blueprint, Shape, weld_name
+from topple.robots.mujoco.rolling import Rolling
 from topple.robots.mujoco.tolerances import SUBSTEPS
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.tolerances import TOLERANCES
@@ -36,6 +37,7 @@ class MujocoWorld(PhysicalWorld):
         self.drive: Callable[[], None] = lambda: None
         self._blueprint = Blueprint(self.physics)
         self._compiled: tuple[Any, Any] | None = None
+        self._rolling: Rolling | None = None
         self._shapes: dict[str, Shape] = {}
         self._speeds: dict[str, FloatArray] = {}
         self._joints: dict[str, tuple[float, float]] = {}
@@ -119,10 +121,12 @@ class MujocoWorld(PhysicalWorld):
     def step(self, count: int = 1) -> None:
         """Advance the simulation by `count` time steps."""
         model, data = self.state
+        assert self._rolling is not None
         for _ in range(count * SUBSTEPS):
             mujoco.mj_step1(model, data)
             self.drive()
             mujoco.mj_step2(model, data)
+            self._rolling.after_step(data)
         mujoco.mj_kinematics(model, data)
         self.time += count * self.time_step
 
@@ -242,6 +246,9 @@ class MujocoWorld(PhysicalWorld):
                 if joint is not None:
                     data.qpos[joint[0]], data.qvel[joint[1]] = value, speed
             mujoco.mj_forward(model, data)
+            turning = {name: self._address(name)[1] + 3 for name in self.movable}
+            self._rolling = Rolling(model, self._shapes, turning)
+            self._rolling.after_step(data)
         return self._compiled
 
     def joint(self, name: str) -> tuple[int, int] | None:

@@ -14,7 +14,7 @@ from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bullet_vacuum import BulletVacuum
 from topple.robots.world.tolerances import FINGER_ROTOR, PAD_DAMPING, PAD_STIFFNESS
-from topple.robots.world.touch import note_touch
+from topple.robots.world.touch import note_touches
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
 from topple.robots.world.wrist import TorqueNoise, Wrist
@@ -235,11 +235,12 @@ class SimulatedArm(ActingArm):
     def _note_touches(self) -> set[int]:
         """Note what it touches and how hard; PyBullet's numbers of that and of what its cup holds."""
         points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
-        for point in points:
-            name = self.world.name_of(point[2])
-            if name is not None and point[9] > 0.0:
-                link = self._names[point[3]]
-                note_touch(self.touched, name, link, float(point[9]), self.world.time_step)
+        contacts = [
+            (name, self._names[point[3]], float(point[9]))
+            for point in points
+            if point[9] > 0.0 and (name := self.world.name_of(point[2])) is not None
+        ]
+        note_touches(self.touched, contacts, self.world.time_step)
         held = {self.world.ids[self.vacuum.name]} if self.vacuum is not None else set[int]()
         return held.union(point[2] for point in points)
 

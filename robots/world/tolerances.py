@@ -7,6 +7,9 @@ import numpy as np
 FRICTION = 0.7
 """PyBullet multiplies: two household things then touch with 0.5, between glaze (0.3) and card (0.7)."""
 
+LINK_FRICTION = 0.5
+"""Of an arm's links whose file says none: Bullet's own, as of paint on steel."""
+
 ROLLING = 5e-4
 """[m] lever of the rolling resistance: 1.5 % of a can's radius, as for thin steel on wood."""
 
@@ -102,6 +105,16 @@ and with these by 1 mm."""
 
 PAD_DAMPING = 3.3e4
 """[N s/m] with which a step of 1/240 s takes back a ninth of the depth, as PyBullet's own Panda does."""
+
+
+# -- touch
+
+BRUSH = 5.0
+"""[N] that a robot may press with for long on what it does not handle: the weight of half a kilogram breaks
+nothing, and what it moves counts as moved."""
+
+CHATTER = 0.02
+"""[s] without a contact until a touch has ended: those of stiff things chatter at 100 Hz and more."""
 
 
 # -- vacuum

@@ -100,7 +100,7 @@ def test_a_step_is_judged_by_what_moved_fell_or_was_hit() -> None:
     moved[0, 3], fallen[:3, 3] = 0.02, (0.02, 0.0, -0.1)
     before = {"a": still, "b": still, "c": still, "held": still}
     after = {"a": still, "b": moved, "c": fallen, "held": fallen}
-    found = [*violations(before, after, ["held"]), *hits({"a": Touch(9.0, 1.0, {"hand"})})]
+    found = [*violations(before, after, ["held"]), *hits({"a": Touch(9.0, 1.0, {"hand"}, 0.9)})]
     assert len(found) == 3
     assert "b moved 20 mm" in found[0] and "c fell by 10 cm" in found[1] and "a was hit by hand" in found[2]
 

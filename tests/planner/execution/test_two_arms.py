@@ -38,7 +38,7 @@ def test_what_is_held_may_be_touched_by_the_hand_that_holds_it_and_may_not_move(
         first = SimulatedArm(world, robot_named("panda"), pose_at(-0.5, 0.0, 0.0))
         second = SimulatedArm(world, robot_named("panda"), pose_at(0.0, 0.6, 0.0), beside=first)
         judge = Judge(first, ["table"], UP, second=second)
-        press = Touch(50.0, 1.0, {"panda_hand"})
+        press = Touch(50.0, 1.0, {"panda_hand"}, 0.9)
 
         judge.begin(Handled("taken"), held="held")
         second.touched["held"] = first.touched["taken"] = press
