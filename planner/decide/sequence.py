@@ -46,10 +46,10 @@ def safest(
     there, moved, waits = np.ones((1, count), dtype=bool), risk.sum(axis=0)[None], first.sum(axis=0)[None]
     ended: list[tuple[int, list[int]]] = []
     while True:
-        done = ~(there & goal).any(axis=1)
+        done = np.asarray(~(there & goal).any(axis=1))
         ended = sorted([*ended, *zip(cost[done].tolist(), paths[done].tolist(), strict=True)])[:1]
         if ended:  # what has risked as much already will not end better
-            done |= [each >= ended[0] for each in zip(cost.tolist(), paths.tolist(), strict=True)]
+            done |= np.array([each >= ended[0] for each in zip(cost.tolist(), paths.tolist(), strict=True)])
         if done.all():
             return ended[0][1]
         rows, taken = np.nonzero(there & (waits == 0) & ~done[:, None])
