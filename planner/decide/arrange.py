@@ -3,11 +3,10 @@
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import groupby
+from itertools import groupby, repeat
 from typing import Any, NamedTuple
 
 import networkx as nx
-import numpy as np
 
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.hold import Hold
@@ -229,7 +228,7 @@ def arrange(
         ('cup', 'book')
     """
     wanted = tuple(targets) or graph.names
-    needed = set(wanted).union(*(graph.before(name) for name in wanted)) if wanted else set[str]()
+    needed = set(wanted).union(*(graph.before(name) for name in targets))
     part = graph.graph().subgraph(needed if removal_risk is None else graph.names)
     height = {name: float(top[2]) for name, top in tops.items()}
     condensed = nx.condensation(part)
@@ -239,16 +238,12 @@ def arrange(
     )
     place = {c: i for i, c in enumerate(ranked)}
     chances = {} if chances is None else chances
-    # How far down the arm reaches is the same in any order: the way between the takes is level.
-    level = {name: top[:2] for name, top in tops.items() if name in part}
-    apart = np.array(list(level.values())).reshape(-1, 2)
-    far = [np.hypot(*(apart - one).T).tolist() for one in apart]
-    ways = {(a, b): way for a, row in zip(level, far, strict=True) for b, way in zip(level, row, strict=True)}
     chosen = safest(
         [members[c] for c in ranked],
         [frozenset(place[p] for p in condensed.predecessors(c)) for c in ranked],
         chances,
-        ways,
+        # how far down the arm reaches is the same in any order: the way between the takes is level
+        {name: top[:2] for name, top in tops.items()},
         frozenset(i for i, c in enumerate(ranked) if needed.intersection(members[c])),
         removal_risk or 0.0,
     )
@@ -308,17 +303,13 @@ def _risks(
         kept: The same pairs where a hand keeps `first` still.
     """
     risk: dict[str, float] = {}
-    left = set(graph.names)
-    moved: dict[str, dict[str, float]] = {}
-    for (first, then), chance in sorted(chances.items()):
-        moved.setdefault(then, {})[first] = chance
+    left = sorted(graph.names)
     for unit in units:
-        left -= set(unit)
+        left = [other for other in left if other not in unit]
         for number, name in enumerate(unit, start=1):
-            some = moved.get(name, {})
-            safe = math.prod(
-                1.0 - chance for other, chance in some.items() if other in left and (other, name) not in kept
-            )
+            free = [other for other in left if (other, name) not in kept] if kept else left
+            moved = map(chances.get, zip(free, repeat(name), strict=False), repeat(0.0))
+            safe = math.prod(1.0 - chance for chance in moved)
             rest = [other for other in unit[number:] if (other, name) not in kept]
             against = [e.confidence for e in graph.dependencies if e.then == name and e.first in rest]
             risk[name] = max(1.0 - safe, *against, 0.0)
@@ -335,17 +326,17 @@ def _explain(
 ) -> tuple[str, ...]:
     """One sentence per step: what it frees, and why it had to go."""
     sentences: list[str] = []
+    last = {name: number for number, name in enumerate(steps, start=1)}
     for number, name in enumerate(steps, start=1):
-        later = set(steps[number:])
-        edges = [e for e in graph.dependencies if e.first == name and e.then in later]
+        edges = [e for e in graph.dependencies if e.first == name and last.get(e.then, 0) > number]
         group = next((g for g in groups if name in g), None)
         say = f"{number}. {name}"
         if edges:
             say += ": " + "; ".join(edge.sentence() for edge in edges)
         elif name in wanted:
             say += ": nothing that is left depends on it"
-        elif later:
-            doubted = max(sorted(later), key=lambda other: chances.get((name, other), 0.0))
+        elif later := sorted({*steps[number:]}):
+            doubted = max(later, key=lambda other: chances.get((name, other), 0.0))
             say += f": taking {doubted} might move it ({chances.get((name, doubted), 0.0):.2f})"
         if group is not None and name == group[0]:
             say += f" ({_held(group, graph, [h.sentence(steps) for h in holds if h.object in group])})"

@@ -139,10 +139,10 @@ class DependencyGraph(ByValue):
 
     def __post_init__(self) -> None:
         """Check that every edge is between two known names."""
-        for edge in self.dependencies:
-            for name in (edge.first, edge.then):
-                if name not in self.names:
-                    raise UnknownObject(name, self.names)
+        known = {*self.names}
+        ends = (name for edge in self.dependencies for name in (edge.first, edge.then))
+        if unknown := [name for name in ends if name not in known]:
+            raise UnknownObject(unknown[0], self.names)
 
     @staticmethod
     def of(names: Iterable[str], dependencies: Iterable[Dependency]) -> "DependencyGraph":
@@ -192,10 +192,7 @@ class DependencyGraph(ByValue):
 
     def between(self, first: str, then: str) -> Dependency | None:
         """The dependency of an ordered pair, or None."""
-        for edge in self.dependencies:
-            if edge.first == first and edge.then == then:
-                return edge
-        return None
+        return next((e for e in self.dependencies if (e.first, e.then) == (first, then)), None)
 
 
 @checked_arguments

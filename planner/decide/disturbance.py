@@ -78,20 +78,20 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
     outwards = {then: situation.outwards(then) for then in situation.movable}
     over, unheld = _hanging(statics, outwards), _unheld(statics)
     depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
+    place = {name: k for k, name in enumerate(situation.movable)}
+    together = {pair for part in {*situation.islands.values()} for pair in permutations(part, 2)}
     found: dict[Pair, Disturbance] = {}
-    for first, then in permutations(situation.movable, 2):
-        hangs, together = over.get((first, then)), situation.hang_together(first, then)
-        if hangs is not None or together:
-            axes = outwards[then]
-            here, there = (along(axes, statics.surfaces[name])[:, 2] for name in (first, then))
-            found[first, then] = Disturbance(
-                hangs,
-                None if hangs is None else overlap(along(axes, seen[first]), along(axes, seen[then])),
-                unheld[then].get(first, 0.0) if together else 0.0,
-                touching.get((then, first)),
-                0.0 if hangs is None else depth.get(frozenset((first, then)), 0.0),
-                (float(here.min() - there.min()), float(here.max() - there.max())),
-            )
+    for first, then in sorted(over.keys() | together, key=lambda pair: (place[pair[0]], place[pair[1]])):
+        hangs, axes = over.get((first, then)), outwards[then]
+        here, there = (along(axes, statics.surfaces[name])[:, 2] for name in (first, then))
+        found[first, then] = Disturbance(
+            hangs,
+            None if hangs is None else overlap(along(axes, seen[first]), along(axes, seen[then])),
+            unheld[then].get(first, 0.0) if (first, then) in together else 0.0,
+            touching.get((then, first)),
+            0.0 if hangs is None else depth.get(frozenset((first, then)), 0.0),
+            (float(here.min() - there.min()), float(here.max() - there.max())),
+        )
     return found
 
 
@@ -114,7 +114,7 @@ def without_cascades(
         return fallen_without(statics, away).keys()
 
     def still(first: str, then: str) -> bool:
-        others = nx.ancestors(before.subgraph(before.nodes - {first}), then)
+        others = nx.ancestors(nx.restricted_view(before, [first], []), then)
         return not others or first in fallen(frozenset({then, *others}))
 
     thrown = [pair for pair in edges if not asked[pair].meets and not still(*pair)]

@@ -64,17 +64,15 @@ def standing(statics: Statics) -> dict[Pair, tuple[int, int]]:
     meeting: nx.Graph[str] = nx.Graph()
     meeting.add_nodes_from(names)
     for contact in statics.contacts:
-        if {contact.a, contact.b} <= set(names) and contact.gaps.min() <= MEETING:
+        if {contact.a, contact.b} <= meeting.nodes and contact.gaps.min() <= MEETING:
             meeting.add_edge(contact.a, contact.b)
-    island = {name: i for i, part in enumerate(nx.connected_components(meeting)) for name in part}
     top = {name: float(statics.surfaces[name][:, 2].max()) for name in names}
-    return {
-        (first, then): (
-            0 if meeting.has_edge(first, then) else 1 if island[first] == island[then] else 2,
-            int(top[first] > top[then]),
-        )
-        for first, then in permutations(names, 2)
-    }
+    apart = (2, 0), (2, 1)  # most pairs of many
+    found = {(first, then): apart[top[first] > top[then]] for first, then in permutations(names, 2)}
+    for part in nx.connected_components(meeting):
+        for pair in permutations(part, 2):
+            found[pair] = 1 - meeting.has_edge(*pair), found[pair][1]
+    return found
 
 
 def likelihoods(cameras: int | None, steady: bool) -> Rates:

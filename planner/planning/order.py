@@ -132,10 +132,10 @@ def order(
     apart = taking_apart(sized, full, hands, fixture)
     if fixture:
         full, chance = _kept_still(full, chance, statics, fixture)
-    edges = {(edge.first, edge.then) for edge in full.dependencies}
-    risked = beliefs.weighed(chance, edges)
+    edges, chance = {(edge.first, edge.then) for edge in full.dependencies}, FrozenDict(chance)
+    risked = beliefs.weighed(chance, edges) if beliefs.chances or beliefs.alone else chance
     found = arrange(full.reduced(), wanted, tops, sized.supports, said, risked, removal_risk, apart)
-    found = replace(found, verified=verify, chances=FrozenDict(chance), notes=FrozenDict(notes))
+    found = replace(found, verified=verify, chances=chance, notes=FrozenDict(notes))
     found = replace(found, called=SpokenNames(scene))
     return found if robot is None else _with_access(found, situation, robot)
 

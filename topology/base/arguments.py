@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import numeric
 from topple.topology.base.errors import InvalidInput
+from topple.topology.base.values import FrozenDict
 
 _Target = TypeVar("_Target", bound=Callable[..., Any])
 
@@ -147,7 +148,8 @@ def _fitted(what: str, value: Any, hint: Any) -> Any:
     if not _is(value, kind, args):
         raise _Misfit(what, value, hint)
     if isinstance(value, Mapping) and len(args) == 2:
-        entries = cast(Mapping[Any, Any], value)
+        # what is in a FrozenDict was looked at when topple made it
+        entries = cast(Mapping[Any, Any], {} if isinstance(value, FrozenDict) else value)
         for key, part in entries.items():
             _fitted(f"a key of {what}", key, args[0])
             _fitted(f"{what}[{key!r}]", part, args[1])

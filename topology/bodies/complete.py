@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.base.arrays import FloatArray, bounds, cells_over, lengths
+from topple.topology.base.arrays import FloatArray, bounds, cells_over, lengths, quantiles_of
 from topple.topology.base.remembered import remembered
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import (
@@ -232,7 +232,7 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     axes = np.stack([axis, side, cross(axis, side)])
     local = points @ axes.T
     # One point in two hundred may be stray on each side.
-    lower, upper = np.quantile(local, [0.005, 0.995], axis=0)
+    lower, upper = np.array([quantiles_of(each, 0.005, 0.995) for each in local.T]).T.copy()
     return Box(axes, lower, upper)
 
 

@@ -81,7 +81,7 @@ class Surfaces:
         missing = [name for name in missing if name not in self._done]
         self._done.update(complete(self.upright.among(missing), self.sight))
         if self.sight is None:  # else what was seen through openings tells
-            movable = [name for name in missing if name in self.upright.movable]
+            movable = [name for name in missing if name not in self.upright.fixed]
             self._done.update((name, self._without_lids(name)) for name in movable)
         for name in missing:
             self._done[name].setflags(write=False)
@@ -90,10 +90,10 @@ class Surfaces:
     def _without_lids(self, name: str) -> FloatArray:
         """A completed body (N, 3) with nothing guessed over openings in which others stand on its floor."""
         clouds, body = self.upright.clouds, self._done[name]
-        others = [clouds[other] for other in self.upright.movable if other != name]
-        if len(body) == len(clouds[name]) or not others:
+        others = [] if len(body) == len(clouds[name]) else [*self.upright.movable]
+        if len(others) < 2:
             return body
-        feet = np.concatenate(others)
+        feet = np.concatenate([clouds[other] for other in others if other != name])
         feet = feet[np.abs(feet[:, 2] - self.upright.floor_under(clouds[name])) < VOXEL]
         over = in_openings(clouds[name][:, :2], feet[:, :2], body[:, :2], 2 * VOXEL)
         over[: len(clouds[name])] = False

@@ -12,7 +12,16 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, distance_transform_edt
 from scipy.spatial import ConvexHull
 
-from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds, frozen, middle_of
+from topple.topology.base.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    bounds,
+    frozen,
+    median_of,
+    middle_of,
+    quantiles_of,
+)
 from topple.topology.base.remembered import remembered
 from topple.topology.base.tolerances import DEPTH_NOISE
 from topple.topology.bodies.tolerances import (
@@ -158,13 +167,13 @@ def _surface(whole: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
         middle, normal = plane_through(kept)
         normal = normal if normal @ up >= 0 else -normal
         distance = np.abs((cloud - middle) @ normal)
-        kept = cloud[distance <= np.quantile(distance, 0.9)]
+        kept = cloud[distance <= quantiles_of(distance, 0.9)[0]]
         if len(kept) < 3:
             return None
     heights = kept @ normal
     if normal @ up < TOPS_LEVEL or float(np.ptp(heights)) > FLAT:
         return None
-    height = float(np.median(heights))
+    height = median_of(heights)
     off = whole[np.abs(whole @ normal - height) > max(RISES, 4.0 * _spread(heights))]
     if len(off) >= PIECE_FEWEST and pieces_of(
         voxel_means(off, 2 * GRAIN, ahead=0.0), surface_spacing(off, spacing_of(whole))
@@ -181,18 +190,18 @@ def _surface(whole: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
 
 def _parting(heights: FloatArray) -> float | None:
     """Height between the two faces of a board whose points have these heights; None for one face."""
-    low, high = np.quantile(heights, [0.05, 0.95])
-    middle = float(low + high) / 2.0
+    low, high = quantiles_of(heights, 0.05, 0.95)
+    middle = (low + high) / 2.0
     upper, lower = heights[heights > middle], heights[heights <= middle]
     if min(len(upper), len(lower)) < 0.15 * len(heights):
         return None
-    apart = float(np.median(upper) - np.median(lower))
+    apart = median_of(upper) - median_of(lower)
     return middle if apart > max(FACES, TWO_FACED * max(_spread(upper), _spread(lower))) else None
 
 
 def _spread(values: FloatArray) -> float:
     """Standard deviation, strays aside."""
-    return 1.4826 * float(np.median(np.abs(values - np.median(values))))
+    return 1.4826 * median_of(np.abs(values - median_of(values)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,14 +330,14 @@ def _faces(
     sides = [inside] if parting is None else [inside & (heights > parting), inside & (heights <= parting)]
     found: list[_Level] = []
     for side in sides:
-        height = float(np.median(heights[side]))
+        height = median_of(heights[side])
         if parting is None:  # noise beyond the band belongs to the level, too
             band = float(np.clip(4.0 * _spread(heights[side]), DEPTH_NOISE, WIDEST_BAND))
             side = left & (np.abs(heights - height) <= band)
         members = side.copy()
         members[side] = grid.wide(cloud[side])
         if np.count_nonzero(members) >= max(TOPS_FEWEST, TOPS_LEAST * len(cloud)):
-            found.append(_Level(normal, float(np.median(heights[members])), members))
+            found.append(_Level(normal, median_of(heights[members]), members))
     return found
 
 

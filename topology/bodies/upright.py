@@ -2,10 +2,19 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
-from topple.topology.base.arrays import FloatArray, bounds, frozen, middle_of, rounded, within_corners
+from topple.topology.base.arrays import (
+    FloatArray,
+    bounds,
+    frozen,
+    median_of,
+    middle_of,
+    rounded,
+    within_corners,
+)
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.remembered import remembered
 from topple.topology.base.tolerances import KEPT_AROUND, VOXEL
@@ -63,13 +72,17 @@ class Upright:
     def floor_under(self, points: FloatArray) -> float:
         """Height [m] of the highest top below the middle of an object, (N, 3) points; else the floor."""
         (lower, upper), middle = bounds(points), float(points[:, 2].mean())
-        found: list[float] = []
-        for surface in (surface for tops in self.tops.values() for surface in tops):
-            least, most = bounds(surface)
-            height = float(np.median(surface[:, 2]))
-            if height < middle and (lower < most)[:2].all() and (upper > least)[:2].all():
-                found.append(height)
+        found = (
+            height
+            for least, most, height in self._levels
+            if height < middle and (lower < most)[:2].all() and (upper > least)[:2].all()
+        )
         return max(found, default=self.floor)
+
+    @cached_property
+    def _levels(self) -> list[tuple[FloatArray, FloatArray, float]]:
+        """Least and greatest corner and height [m] of each top: with more objects they grow, too."""
+        return [(*bounds(top), median_of(top[:, 2])) for tops in self.tops.values() for top in tops]
 
     @staticmethod
     def of(scene: Scene, rotation: FloatArray | None = None) -> "Upright":

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from topple.topology.base.arrays import BoolArray, FloatArray, lengths, middle_of
+from topple.topology.base.arrays import BoolArray, FloatArray, lengths, middle_of, quantiles_of
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.tolerances import (
     BELOW_FLOOR,
@@ -103,13 +104,16 @@ class Fit:
 
     Attributes:
         body: The body.
-        lowest: Height of its lowest point [m].
         residual: How far the points are off it [m], root mean square.
     """
 
     body: Spheroid | Cylinder
-    lowest: float
     residual: float
+
+    @cached_property
+    def lowest(self) -> float:
+        """Height of its lowest point [m]."""
+        return float(self.body.surface(COARSE)[:, 2].min())
 
 
 def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
@@ -121,9 +125,7 @@ def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
     """
     balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
     found = [body for body in (*balls, *_cylinders(points, normals)) if body is not None]
-    return tuple(
-        Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, points)) for body in found
-    )
+    return tuple(Fit(body, _residual(body, points)) for body in found)
 
 
 def round_body(
@@ -140,12 +142,12 @@ def round_body(
         What explains the points better than a box does; None where neither does, or where too little is seen
         to say how large it is.
     """
-    found = [fit for fit in fits if fit.lowest > floor - BELOW_FLOOR * fit.body.radius]
-    if not found:
-        return None
-    best = min(found, key=lambda fit: fit.residual)
-    limit = min(LARGEST_RESIDUAL * best.body.radius, BETTER_THAN_BOX * box_residual)
-    return best.body if best.residual < limit else None
+    for fit in sorted(fits, key=lambda fit: fit.residual):
+        if fit.residual >= BETTER_THAN_BOX * box_residual:
+            break  # so are all further ones
+        if fit.lowest > floor - BELOW_FLOOR * fit.body.radius:
+            return fit.body if fit.residual < LARGEST_RESIDUAL * fit.body.radius else None
+    return None
 
 
 def flattest_side(normals: FloatArray) -> tuple[BoolArray, int]:
@@ -183,14 +185,14 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     if fit is None:
         return None
     off = np.abs(lengths(squeezed - fit[0]) - fit[1])
-    fit = sphere_nearest(squeezed[off <= np.quantile(off, 1.0 - STRAY)], FITTED)
+    fit = sphere_nearest(squeezed[off <= quantiles_of(off, 1.0 - STRAY)[0]], FITTED)
     if fit is None or fit[1] * stretch > LARGEST_RADIUS:
         return None
     centre, radius = fit
     rays = (squeezed - centre) / radius
     towards = middle_of(rays)
     towards /= max(float(np.linalg.norm(towards)), 1e-9)
-    depth = 1.0 - float(np.quantile(rays @ towards, STRAY))
+    depth = 1.0 - quantiles_of(rays @ towards, STRAY)[0]
     centre = _squeezed(centre[None], axis, 1.0 / stretch)[0]
     return Spheroid(centre, radius, axis, stretch) if depth > LEAST_CAP else None
 
@@ -212,7 +214,7 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
         return None
     plane = np.stack(perpendiculars(axis), axis=1)
     flat, along = points @ plane, points @ axis
-    low, high = np.quantile(along, [STRAY / 2, 1.0 - STRAY / 2])
+    low, high = quantiles_of(along, STRAY / 2, 1.0 - STRAY / 2)
     half = (high - low) / 2.0
     side = np.abs(along - (low + high) / 2.0) < half - min(0.004, 0.2 * half)  # what is no end
     circle = None

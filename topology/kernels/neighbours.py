@@ -37,9 +37,9 @@ class PointTree:
             sizes = np.empty(2, dtype=np.int64)
             self._kernels.tree_sizes(len(self.data), address(sizes), address(sizes[1:]))
             self._leaves, self._groups = (np.empty(int(size), dtype=np.uint8) for size in sizes)
-            self._kernels.tree_build(
-                address(self._points), len(self.data), address(self._leaves), address(self._groups)
-            )
+            at = address(self._points)
+            self._arrays = address(self._leaves), address(self._groups), len(self.data), at
+            self._kernels.tree_build(at, len(self.data), *self._arrays[:2])
 
     @cached_property
     def box(self) -> "tuple[FloatArray, FloatArray]":
@@ -69,13 +69,14 @@ class PointTree:
             distances, rows = self._twin.query(places, k=k, distance_upper_bound=distance_upper_bound)
             return np.asarray(distances), np.asarray(rows, dtype=np.int64)
         shape = places.shape[:-1] if k == 1 else (*places.shape[:-1], k)
-        distances, rows = np.full(shape, np.inf), np.full(shape, len(self.data), dtype=np.int64)
-        if distances.size and len(self.data):
-            asked = _in_space(places.reshape(-1, places.shape[-1]))
-            self._kernels.tree_nearest(
-                *self._arrays(), address(self._points), address(asked), len(asked), k, distance_upper_bound,
-                address(distances), address(rows),
-            )  # fmt: skip
+        if not len(self.data):
+            return np.full(shape, np.inf), np.zeros(shape, dtype=np.int64)
+        distances, rows = np.empty(shape), np.empty(shape, dtype=np.int64)
+        asked = _in_space(places.reshape(-1, places.shape[-1]))
+        self._kernels.tree_nearest(
+            *self._arrays, address(asked), len(asked), k, distance_upper_bound,
+            address(distances), address(rows),
+        )  # fmt: skip
         return distances, rows
 
     def query_ball_point(self, places: "FloatArray", r: float) -> "list[IntArray]":
@@ -123,13 +124,10 @@ class PointTree:
         distances, rows = np.empty((len(sums), k)), np.empty((len(sums), k), dtype=np.int64)
         if len(sums):
             self._kernels.tree_around(
-                *self._arrays(), address(self._points), r, address(given), k, address(sums),
+                *self._arrays, r, address(given), k, address(sums),
                 address(distances), address(rows),
             )  # fmt: skip
         return sums, distances, rows
-
-    def _arrays(self) -> tuple[int, int, int]:
-        return address(self._leaves), address(self._groups), len(self.data)
 
     def _within(self, places: "FloatArray", r: float) -> "tuple[IntArray, IntArray]":
         """How many points are within a radius of each place, and their rows, one place after the other."""
@@ -140,7 +138,7 @@ class PointTree:
         while True:
             rows = np.empty(room, dtype=np.int64)
             total = self._kernels.tree_within(
-                *self._arrays(), address(asked), len(asked), r, address(counts), address(rows), room
+                *self._arrays[:3], address(asked), len(asked), r, address(counts), address(rows), room
             )
             if total <= room:
                 return counts, rows[:total]

@@ -319,9 +319,10 @@ class Situation:
             ]
         return frozen(np.concatenate([np.empty((0, 3)), *clouds]))
 
-    def hang_together(self, a: str, b: str) -> bool:
-        """Whether two movable objects are in contact, or each with others that are."""
-        return bool(nx.has_path(self._meeting, a, b))
+    @cached_property
+    def islands(self) -> Mapping[str, frozenset[str]]:
+        """The movable objects in contact with each, or with others that are, itself among them, by name."""
+        return {n: part for part in map(frozenset, nx.connected_components(self._meeting)) for n in part}
 
     def chain(self, a: str, b: str) -> tuple[Evidence, ...]:
         """The relations by which two movable objects hang together, through as few others as possible.
@@ -333,7 +334,7 @@ class Situation:
         Returns:
             The relation of each to the next, from a to b; empty where they do not.
         """
-        if not self.hang_together(a, b):
+        if b not in self.islands[a]:
             return ()
         path = nx.shortest_path(self._meeting, a, b)
         return tuple(self.between(one, other) for one, other in pairwise(path))

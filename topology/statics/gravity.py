@@ -60,7 +60,7 @@ def _check_distances(scene: Scene, statics: Statics) -> None:
     low, high = np.array([bounds(cloud) for cloud in scene.clouds.values()]).swapaxes(0, 1)
     apart = np.linalg.norm(np.maximum(low[:, None] - high, low - high[:, None]).clip(min=0.0), axis=2)
     np.fill_diagonal(apart, np.inf)
-    moves = np.array([name in scene.movable for name in scene.clouds])
+    moves = np.array([name not in scene.fixed for name in scene.clouds])
     nearest = float(apart.min(axis=1)[moves].min())
     bottoms = np.array([surface[:, 2].min() for surface in statics.surfaces.values()])
     if nearest <= FAR_OFF or (np.ptp(bottoms) < FAR_OFF if not scene.fixed else uncarried(statics) < HANGING):

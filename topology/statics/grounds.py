@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.topology.base.arrays import BoolArray, FloatArray, bounds, frozen, middle_of
+from topple.topology.base.arrays import BoolArray, FloatArray, bounds, frozen, median_of, middle_of
 from topple.topology.base.remembered import remembered
 from topple.topology.bodies.tolerances import KEPT_FRAMES
 from topple.topology.bodies.upright import Upright
@@ -87,4 +87,4 @@ def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, 
     centre = middle_of(kept)
     normal = np.linalg.eigh(np.cov((kept - centre).T))[1][:, 0]
     heights = (points - centre) @ normal
-    return centre, normal, max(1.4826 * float(np.median(np.abs(heights))), 1e-4)
+    return centre, normal, max(1.4826 * median_of(np.abs(heights)), 1e-4)

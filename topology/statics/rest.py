@@ -96,10 +96,10 @@ class Statics:
             name: weigh(surfaces[name], scene.masses.get(name), upright.centres.get(name))
             for name in upright.movable
         }
-        unexplained = deficits(weights, within_reach(contacts, weights))
+        usable = within_reach(contacts, weights)
+        unexplained = deficits(weights, usable)
         wanting = [name for name, missing in unexplained.items() if missing > UNSTEADY]
         if wanting:
-            usable = within_reach(contacts, weights)
             contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight, meeting)
             unexplained = deficits(weights, within_reach(contacts, weights))
         return Statics(
@@ -130,6 +130,11 @@ class Statics:
         return contact.only(contact.gaps > TOLERANCES.catch)
 
     @cached_property
+    def _joined(self) -> Mapping[str, frozenset[str]]:
+        """Movable name -> all that hangs together with it: where it is taken nothing else has to be asked."""
+        return {name: island for island in islands(self.weights, self._catching) for name in island}
+
+    @cached_property
     def _settled(self) -> Mapping[str, Fall]:
         """How far bodies seem to sink while everything is in place: what contacts leave open."""
         return falls(self.weights, self._catching, search=self._search)
@@ -149,10 +154,12 @@ class Statics:
         Returns:
             name -> how far, 1 where it just counts as a move, for those that move.
         """
-        met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
-        free = {name: weight for name, weight in self.weights.items() if name not in held}
         before = self._settled  # first, since the forces of what is in place shorten the search
-        found = falls(free, self._catching, beside=met, without=away, search=self._search)
+        joined = set[str]().union(*(self._joined.get(name, self._joined) for name in away))
+        near = [c for c in self._catching if c.a in joined or c.b in joined]
+        met = {name for c in near if c.a in away or c.b in away for name in (c.a, c.b)}
+        free = {name: w for name, w in self.weights.items() if name in joined and name not in held}
+        found = falls(free, near, beside=met, without=away, search=self._search)
         far = {name: fall.beyond(before[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 

@@ -68,5 +68,12 @@ def test_many_units_keep_what_must_precede() -> None:
     assert all(found.index(j - 1) < found.index(j) for j in range(1, count, 2))
 
 
+def test_of_orders_equally_safe_the_shortest_way_is_taken_and_then_the_first_given() -> None:
+    places = {str(i): np.array([at, 0.0]) for i, at in enumerate((0.0, 0.2, 0.1, 0.3))}
+    units, free = [(str(i),) for i in range(4)], [frozenset[int]()] * 4
+    assert safest(units, free, {}, places) == [0, 2, 1, 3]
+    assert safest(units, free, {("2", "0"): 0.3}, places) == [3, 1, 2, 0]
+
+
 def test_nothing_to_order() -> None:
     assert safest([], [], {}, {}) == []
