@@ -109,7 +109,7 @@ CHANGES = (
     ),
     Change(
         "what falls is not asked", "planner/decide/disturbance.py",
-        "unheld[then].get(first, 0.0) if together else 0.0", "0.0",
+        "unheld[then].get(first, 0.0) if (first, then) in together else 0.0", "0.0",
     ),
     Change(
         "a pixel is its mask's whatever its depth", "topology/views/borders.py",
@@ -171,8 +171,8 @@ CHANGES = (
     ),
     Change(
         "pairs by two loops", "planner/decide/disturbance.py",
-        "    for first, then in permutations(situation.movable, 2):",
-        "    for then, first in permutations(situation.movable, 2):",
+        "key=lambda pair: (place[pair[0]], place[pair[1]])",
+        "key=lambda pair: (place[pair[1]], place[pair[0]])",
         fault=False,
     ),
     Change(

@@ -1,6 +1,8 @@
 """Pictures of the pages of a scene, a plan and a run, as Chromium draws them (extra `docs`, and Chromium).
 
 python docs/figures/pages.py
+
+With `--time` no pictures: the median of seven times in which the page of 17 objects is drawn and answers.
 """
 
 import io
@@ -9,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from statistics import median
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
@@ -25,6 +28,45 @@ with scenario("dishes", 0) as stage:
 names = dict(ids=np.array(list(seen.names)), names=np.array(list(seen.names.values())))
 np.savez_compressed("frame.npz", depth=seen.depth, K=seen.K, label=seen.label, rgb=seen.rgb, **names)
 """
+
+
+SEVENTEEN = """
+import numpy as np
+from topple.planner import show_page
+from topple.topology import Scene, relate
+rng = np.random.default_rng(0)
+boxes = {f"box {n}": rng.uniform(0, 0.08, (9000, 3)) + [n % 5 * 0.1, n // 5 * 0.1, 0] for n in range(17)}
+scene = Scene(boxes, up=[0, 0, 1])
+open("seventeen.html", "w").write(show_page(scene, relate(scene)))
+"""
+FIRST = "() => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd / 1e3"
+FINEST = """() => new Promise((done) => {
+  const look = () => window.panels?.every((each) => !each || !each.viewer.busy)
+    ? requestAnimationFrame(() => done(performance.now() / 1e3)) : requestAnimationFrame(look);
+  look();
+})"""
+
+
+def times() -> None:
+    """Print how long after its request the page of 17 objects answers and has its finest picture."""
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        subprocess.run([sys.executable, "-c", SEVENTEEN], cwd=folder, check=True)
+        file = Path(folder, "seventeen.html")
+        for name, flags in (
+            ("with WebGL by software", ["--use-angle=swiftshader"]),
+            ("without WebGL", ["--disable-gpu", "--disable-software-rasterizer"]),
+        ):
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=["--no-sandbox", *flags]
+            )
+            page, taken = browser.new_page(viewport={"width": 1300, "height": 1000}), []
+            for _ in range(7):
+                page.goto(file.as_uri())
+                taken.append((page.evaluate(FIRST), page.evaluate(FINEST)))
+            first, finest = (median(each) for each in zip(*taken, strict=True))
+            size = file.stat().st_size // 1000
+            print(f"17 objects, {size} kB, {name}: answers after {first:.2f} s, finest at {finest:.2f} s")
+            browser.close()
 
 
 def main() -> None:
@@ -72,4 +114,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    times() if sys.argv[1:] == ["--time"] else main()
