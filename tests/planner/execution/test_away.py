@@ -20,9 +20,10 @@ BASE = np.eye(4)
 BASE[0, 3] = -0.5
 
 
-@pytest.mark.parametrize(
-    "away", ["lift", "bin", ("zone", 0.0, 0.25, 0.5, 0.55), ("hand-over", 0.35, -0.35, 0.45)], ids=str
-)
+SLOW = [pytest.param(each, marks=pytest.mark.slow) for each in ("lift", ("zone", 0.0, 0.25, 0.5, 0.55))]
+
+
+@pytest.mark.parametrize("away", ["bin", ("hand-over", 0.35, -0.35, 0.45), *SLOW], ids=str)
 def test_both_blocks_go_there_and_nothing_else_moves(away: str | tuple[str | float, ...]) -> None:
     record = run(SCENE, ["lower"], "panda", base=BASE, away=away)
     assert record.success, record.violations

@@ -29,7 +29,7 @@ class Aside(Through):
         return pose
 
 
-@pytest.fixture(scope="module", params=["panda", "panda-suction", "iiwa", "xarm6"])
+@pytest.fixture(scope="module", params=["panda", "panda-suction"])
 def arm(request: pytest.FixtureRequest) -> Iterator[SimulatedArm]:
     with World() as world:
         world.add_table(size=(1.4, 1.2))

@@ -40,7 +40,7 @@ def _moved(pose: np.ndarray, shift: float, turn: float, rng: np.random.Generator
     return moved
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_poses_that_are_off_by_what_calibrations_are_off_by_are_taken(seed: int) -> None:
     views, rng = _views(seed, 3), np.random.default_rng(seed)
     poses = [_moved(view.pose_camera_to_world, 0.01, np.radians(1.0), rng) for view in views]
@@ -48,7 +48,7 @@ def test_poses_that_are_off_by_what_calibrations_are_off_by_are_taken(seed: int)
         assert len(_scene(some).viewpoints) == 3
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_pose_that_is_off_by_four_centimetres_is_refused(seed: int) -> None:
     first, second = _views(seed)
     moved = _moved(second.pose_camera_to_world, 0.04, 0.0, np.random.default_rng(seed))
