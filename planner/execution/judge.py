@@ -232,7 +232,7 @@ def hits(touched: Mapping[str, Touch]) -> list[str]:
         touched: What a robot touched, by name.
     """
     return [
-        f"{name} was hit by {', '.join(sorted(touch.links))} with {touch.hit:.1f} N s"
+        f"{name} was hit by {', '.join(sorted(touch.links))} with {touch.hit:.2f} N s"
         for name, touch in touched.items()
         if touch.hit > LIMITS.hit
     ]

@@ -14,7 +14,7 @@ from topple.robots.poses import position_and_quaternion
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import Physics, principal_axes
 from topple.robots.world.tolerances import FRICTION, LINK_FRICTION
-from topple.robots.world.touch import rubbing
+from topple.robots.world.touch import combined_friction
 from topple.topology.base.arrays import FloatArray
 
 TOUCHING, FLOOR = 3, 4
@@ -30,14 +30,14 @@ class Shape:
         owner: The body or the link it belongs to.
         moves: Whether it can move.
         robot: Whether it is an arm's.
-        rough: (3,) Coulomb coefficient, lever of the friction about the normal [m], and against rolling [m].
+        frictions: (3,) Coulomb coefficient, levers of what resists spinning about the normal and rolling [m].
     """
 
     name: str
     owner: str
     moves: bool
     robot: bool
-    rough: FloatArray
+    frictions: FloatArray
 
 
 @dataclass
@@ -102,7 +102,7 @@ class Blueprint:
 
 def _add_pair(spec: Any, a: Shape, b: Shape) -> None:
     """What two shapes do where they touch, as PyBullet has it; see `topple.robots.mujoco.rolling`, too."""
-    slide, spin, roll = rubbing(a.rough, b.rough)
+    slide, spin, roll = combined_friction(a.frictions, b.frictions)
     spec.add_pair(
         geomname1=a.name, geomname2=b.name, condim=6 if a.robot or b.robot else 3,
         friction=[slide, slide, spin, roll, roll], solref=STIFF, solimp=HARD,
@@ -143,8 +143,8 @@ def _add_body(spec: Any, body: Body, pose: FloatArray, fixed: bool) -> list[Shap
     for k, part in enumerate(body.parts):
         name = f"{body.name} {k}"
         _add_part(spec, added, name, part, TOUCHING)
-        rough = np.array([body.friction, body.rolling, body.rolling])
-        shapes.append(Shape(name, body.name, not fixed, False, rough))
+        frictions = np.array([body.friction, body.rolling, body.rolling])
+        shapes.append(Shape(name, body.name, not fixed, False, frictions))
     return shapes
 
 

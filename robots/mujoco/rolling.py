@@ -11,7 +11,7 @@ import numpy as np
 
 from topple.robots.mujoco.model import Shape
 from topple.robots.mujoco.tolerances import HARD, STIFF
-from topple.robots.world.touch import rubbing
+from topple.robots.world.touch import combined_friction
 
 
 class Rolling:
@@ -30,7 +30,7 @@ class Rolling:
         own = {name: k for k, name in enumerate(turning)}
         every = [shapes[model.geom(k).name] for k in range(model.ngeom)]
         self._model = model
-        self._rough = np.array([one.rough * (not one.robot) for one in every]).reshape(-1, 3).T
+        self._frictions = np.array([one.frictions * (not one.robot) for one in every]).reshape(-1, 3).T
         self._owner = np.array([own.get(one.owner, -1) for one in every], dtype=int)
         self._turning = np.array(list(turning.values()), dtype=int)[:, None] + np.arange(3)
         model.dof_solref[self._turning], model.dof_solimp[self._turning] = STIFF, HARD
@@ -40,7 +40,7 @@ class Rolling:
         found = data.contact
         pressing = np.flatnonzero(found.efc_address >= 0)
         a, b = found.geom[pressing].T
-        _, _, lever = rubbing(self._rough[:, a], self._rough[:, b])
+        _, _, lever = combined_friction(self._frictions[:, a], self._frictions[:, b])
         moments = lever * data.efc_force[found.efc_address[pressing]]
         resisted = np.zeros(len(self._turning))
         for one in (a, b):

@@ -40,7 +40,7 @@ class Touch:
         self.hit = max(self.hit, self._going)
 
 
-def rubbing(a: FloatArray, b: FloatArray) -> FloatArray:
+def combined_friction(a: FloatArray, b: FloatArray) -> FloatArray:
     """What two surfaces that touch do against sliding, spinning and rolling, on every engine alike.
 
     It is Bullet's rule, which cannot be changed. A lever is what a surface has on one of coefficient 1: the

@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
 
-from topple.planner.execution.judge import LIMITS
 from topple.planner.motion.trajectory import retime
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
@@ -211,7 +210,7 @@ def test_a_guarded_motion_stops_where_something_holds_the_hand_up(world: MujocoW
         states.append(panda.inverse(down(HOME, 0.0, z), near=states[-1])[0][0])
     acting.follow_until(retime(panda, np.array(states), 0.1), 8.0)
     assert 0.14 < acting.tool_pose("fingers")[2, 3] < 0.17
-    assert acting.touched["post"].force < 60.0 and acting.touched["post"].hit < LIMITS.hit
+    assert acting.touched["post"].force < 60.0
 
 
 def test_a_box_is_known_by_its_corners() -> None:

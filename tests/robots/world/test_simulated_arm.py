@@ -7,7 +7,6 @@ import pybullet
 import pytest
 from moving import Way, at, down, go, way_to
 
-from topple.planner.execution.judge import LIMITS
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
@@ -182,7 +181,6 @@ def test_what_the_arm_touches_is_recorded(world: World) -> None:
     arm.touched.clear()
     go(arm, down(0.48, 0.0, 0.05), "fingers")
     assert set(arm.touched) == {"can"} and arm.touched["can"].force > 0.1
-    assert arm.touched["can"].hit < LIMITS.hit  # what it moves is seen by that
 
 
 def _surface(world: World, x: float, y: float) -> float:

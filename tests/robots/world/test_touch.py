@@ -18,10 +18,10 @@ def touched(*forces: float) -> Touch:
 
 
 def test_a_touch_is_a_hit_by_its_impulse_and_not_by_the_force_of_a_step() -> None:
-    pinned, pushed, brushed = touched(20.0), touched(*[20.0] * 12), touched(*[BRUSH] * 480)
-    assert pinned.hit == pytest.approx((20.0 - BRUSH) * STEP) and pinned.hit < LIMITS.hit
-    assert pushed.hit == pytest.approx(12 * (20.0 - BRUSH) * STEP) and pushed.hit > LIMITS.hit
-    assert pushed.force == pinned.force == 20.0 and pushed.links == {"hand", "finger"}
+    pinned, pushed, brushed = touched(15.0), touched(*[15.0] * 12), touched(*[BRUSH] * 480)
+    assert pinned.hit == pytest.approx((15.0 - BRUSH) * STEP) and pinned.hit < LIMITS.hit
+    assert pushed.hit == pytest.approx(12 * (15.0 - BRUSH) * STEP) and pushed.hit > LIMITS.hit
+    assert pushed.force == pinned.force == 15.0 and pushed.links == {"hand", "finger"}
     assert brushed.hit == 0.0 and brushed.impulse == pytest.approx(2.0 * BRUSH)
 
 
