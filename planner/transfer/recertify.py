@@ -38,12 +38,13 @@ def recertified(transfer: Transfer, situation: Situation, station: Station) -> T
     checkers = _checkers(transfer, checks)
     segments: list[Segment] = []
     for segment in transfer.segments:
-        checker, certificate = checkers[segment.kind], None
-        if segment.trajectory is not None:
-            certificate = Certifier(checker).path(segment.trajectory.positions, ROUNDING)
+        checker, clearance = checkers[segment.kind], 0.0
+        if segment.motion is not None:
+            certificate = Certifier(checker).path(segment.motion.positions, ROUNDING)
             if not certificate.proven:
                 return None
-        segments.append(replace(segment, may_touch=may_touch(checker), certificate=certificate))
+            clearance = certificate.clearance
+        segments.append(replace(segment, may_touch=may_touch(checker), clearance=clearance))
     return replace(transfer, segments=tuple(segments))
 
 

@@ -156,7 +156,10 @@ def segments_of(
             way = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
             trajectory = no_faster_than(trajectory, way, limits.straight_speed)
         hand, holding = (hands[stage.kind], None) if stage.kind in hands else (closed, checks.name)
-        segments.append(Segment(stage.kind, grasp.tool, hand, trajectory, holding, pairs, stage.certificate))
+        proof = stage.certificate
+        assert proof is not None, f"{stage.kind} has no proof yet"
+        given = stage.kind, grasp.tool, hand, trajectory, holding, pairs
+        segments.append(Segment(*given, proof.proven, proof.clearance))
     return tuple(segments)
 
 

@@ -67,7 +67,7 @@ class Transfer:
     @property
     def seconds(self) -> float:
         """Duration of the motions [s]."""
-        return sum(float(s.trajectory.times[-1]) for s in self.segments if s.trajectory is not None)
+        return sum(segment.seconds for segment in self.segments)
 
 
 @dataclass(frozen=True, eq=False)

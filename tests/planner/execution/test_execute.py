@@ -68,7 +68,7 @@ def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
 
 def _start(transfer: Transfer, number: int) -> FloatArray:
     """(n,) joint values with which one of its motions starts."""
-    trajectory = transfer.segments[number].trajectory
+    trajectory = transfer.segments[number].motion
     assert trajectory is not None
     return trajectory.positions[0]
 

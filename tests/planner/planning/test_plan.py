@@ -146,7 +146,7 @@ def test_every_motion_is_proven_and_says_what_may_touch(found: Plan) -> None:
         (
             ("steps", 0, "segments", 0, "motion", "positions", 0),
             [0.0],
-            r"segments\[0\].motion.positions\[0\]",
+            r"rows of one length - at `\$.steps\[0\].segments\[0\].motion.positions`",
         ),
         (("format",), "topple.order", r"\$.format"),
         (
