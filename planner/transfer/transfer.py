@@ -280,7 +280,8 @@ class _Search:
         ends = list(islice(free, limits.goals))
         if not ends or not approach.prove() or not lift.prove():
             return None
-        carry = Stage(SegmentKind.TRANSFER, handling.carrying(grasp, way.margin), log)
+        carrying = handling.checker(SegmentKind.TRANSFER, grasp, margin=way.margin)
+        carry = Stage(SegmentKind.TRANSFER, carrying, log)
         upright, goal = self._upright(grasp), None
         while goal is None or not self._stays(ends[goal].placement):
             if goal is not None:  # refuted: only where it stays from now on
@@ -295,17 +296,19 @@ class _Search:
         if not handling.bears(carry, grasp):
             return None
         end, held = ends[goal], ends[goal].placement.how in IN_HAND
-        lower = Stage(SegmentKind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
-        retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
+        lower, retreat = (
+            Stage(kind, handling.checker(kind, grasp, end.placement), log, path)
+            for kind, path in ((SegmentKind.PLACE, end.lower), (SegmentKind.RETREAT, end.retreat))
+        )
         if not held and not (lower.prove() and retreat.prove()):
             return None
         stages = (lift, carry) if held else (lift, carry, lower, retreat)
         if state is not self.asked.held:
-            move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
+            move = Stage(SegmentKind.MOVE, handling.checker(SegmentKind.MOVE, grasp), log)
             if move.search(self.handling.q_start, approach.way[:1], handling.seed, limits.rounds) is None:
                 return None
             stages = (move, approach, *stages)
-        segments = segments_of(stages, handling, grasp, end.placement, limits)
+        segments = segments_of(stages, grasp, limits)
         if state is self.asked.held:
             segments = segments[1:]  # the hand is closed
         return Transfer(

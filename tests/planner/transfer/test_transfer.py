@@ -85,7 +85,7 @@ def test_carried_motions_stay_off_everything(transfer: Transfer) -> None:
     handling = Handling("can", Situation(scene()), HOME)
     carry = transfer.segments[4].motion
     assert carry is not None
-    assert handling.carrying(transfer.grasp, 0.0).free(carry.positions[::5]).all()
+    assert handling.checker(SegmentKind.TRANSFER, transfer.grasp).free(carry.positions[::5]).all()
 
 
 def test_the_predicted_scene_has_the_object_on_the_table(transfer: Transfer) -> None:
