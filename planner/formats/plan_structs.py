@@ -5,7 +5,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from topple.planner.formats.plan_robot import ArmData
+from topple.planner.formats.plan_robot import ArmData, Matrix
 from topple.planner.transfer.segments import Segment
 from topple.robots.driver import Rows, Samples, Trajectory
 from topple.topology.base.arrays import FloatArray
@@ -16,7 +16,6 @@ from topple.topology.base.values import in_columns
 FORMAT = "topple.plan"
 FORMAT_VERSION = 1
 
-Matrix = list[list[float]]
 _LISTS: dict[Any, Any] = {Samples: list[float], Rows: Matrix}
 
 

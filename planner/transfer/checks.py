@@ -1,7 +1,6 @@
 """What is checked against what while one object is taken, carried and put down."""
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +12,7 @@ from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.tolerances import CONTACT
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Station
 from topple.robots.arm.gripper import ToolState
 from topple.robots.arm.torques import Strain, strain
 from topple.robots.collision.fcl_bodies import apart
@@ -23,21 +22,6 @@ from topple.topology.bodies.solids import Solids, moved
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import volume_and_centre
 from topple.topology.situation.situation import Situation
-
-
-@dataclass(frozen=True, eq=False)
-class Station:
-    """An arm as it stands.
-
-    Attributes:
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
-        q: (n,) its joint values [rad].
-    """
-
-    arm: Arm
-    pose_base_to_world: FloatArray
-    q: FloatArray
 
 
 class Checks:

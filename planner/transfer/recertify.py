@@ -7,12 +7,12 @@ from topple.planner.grasp.judge import in_the_way
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.motion.certificate import Certifier
-from topple.planner.transfer.checks import Checks, Station
+from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import may_touch
 from topple.planner.transfer.tolerances import MARGIN, ROUNDING
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.topology.situation.situation import Situation
 
 STILL = {SegmentKind.GRASP: SegmentKind.LIFT, SegmentKind.RELEASE: SegmentKind.RETREAT}

@@ -18,12 +18,12 @@ from topple.planner.grasp.surroundings import Dropped
 from topple.planner.motion.upright import Upright
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement, placements
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
+from topple.robots.arm.arm import Station
 from topple.robots.arm.home import scale_of, workplace_of
 from topple.topology.base.arrays import FloatArray, frozen
 from topple.topology.base.errors import UnknownObject

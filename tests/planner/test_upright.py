@@ -6,9 +6,9 @@ from topple.planner.motion.planner import Motion
 from topple.planner.motion.shortcut import densely
 from topple.planner.motion.upright import Upright, plan_upright
 from topple.planner.planning.plan import plan
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.limits import TRANSFER_LIMITS
 from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.fruit import plum

@@ -9,11 +9,10 @@ from on_table import table
 from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
 from topple.planner.execution.look import Look
 from topple.planner.execution.loop import ClosedLoop
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import shapes
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import robot
 from topple.robots.driver import Driver, Trajectory

@@ -9,10 +9,10 @@ from topple.planner.grasp.grasp import PINCH, Grasp
 from topple.planner.planning.plan import plan
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import TransferFailure, TransferRequest, plan_transfer
 from topple.planner.verify import verify
 from topple.robots import scenario
+from topple.robots.arm.arm import Station
 from topple.robots.arm.gripper import FINGERS
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import Scenario

@@ -11,10 +11,9 @@ from topple.planner.failure import FailureLog
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.segments import SegmentKind
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.topology.base.arrays import FloatArray

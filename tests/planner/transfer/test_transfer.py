@@ -5,11 +5,11 @@ import pytest
 from on_table import BASE, on_table
 
 from topple.planner.placement.base import NoBase, choose_base
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.segments import SegmentKind, no_faster_than
 from topple.planner.transfer.transfer import Transfer, TransferFailure, TransferRequest, plan_transfer
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.base.errors import UnknownObject
