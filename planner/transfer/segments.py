@@ -8,7 +8,7 @@ from topple.topology.base.values import Word
 
 
 class SegmentKind(Word):
-    """What a piece is, in the order they are driven."""
+    """What a piece is."""
 
     MOVE = "move"
     """The empty hand, to before the object."""
