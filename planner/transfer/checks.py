@@ -101,14 +101,14 @@ class Checks:
         margin: float = 0.0,
         placed: bool = True,
     ) -> Checker:
-        """What a motion is checked against, made once for all that are checked alike.
+        """Make what a motion is checked against, once for all that are checked alike.
 
         Args:
             kind: The motion.
             grasp: How the object is held.
             place: Where it goes.
             lenient: Whether fingers that come or lift may enter the inferred bodies of neighbours.
-            margin: What is kept clear of everything by [m].
+            margin: Least distance from everything [m].
             placed: Whether the object is where a hand leaves it; else it is left out.
         """
         comes, leaves = kind in (SegmentKind.MOVE, SegmentKind.APPROACH), kind is SegmentKind.RETREAT

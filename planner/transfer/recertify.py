@@ -8,15 +8,12 @@ from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.motion.certificate import Certifier
 from topple.planner.transfer.checks import Checks
-from topple.planner.transfer.segments import Segment, SegmentKind
+from topple.planner.transfer.segments import THEN, Segment, SegmentKind
 from topple.planner.transfer.stages import may_touch
 from topple.planner.transfer.tolerances import MARGIN, ROUNDING
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm, Station
 from topple.topology.situation.situation import Situation
-
-STILL = {SegmentKind.GRASP: SegmentKind.LIFT, SegmentKind.RELEASE: SegmentKind.RETREAT}
-"""What the arm does next where it stands still: the same may touch."""
 
 
 def recertified(transfer: Transfer, situation: Situation, station: Station) -> Transfer | None:
@@ -41,7 +38,7 @@ def recertified(transfer: Transfer, situation: Situation, station: Station) -> T
     margin = 0.0 if Fallback.NARROW in transfer.fallbacks else MARGIN
     segments: list[Segment] = []
     for segment in transfer.segments:
-        kind, clearance = STILL.get(segment.kind, segment.kind), 0.0
+        kind, clearance = THEN.get(segment.kind, segment.kind), 0.0
         kept = margin if kind is SegmentKind.TRANSFER else 0.0
         checker = checks.checker(kind, transfer.grasp, transfer.placement, lenient=lenient, margin=kept)
         if segment.motion is not None:

@@ -28,6 +28,10 @@ class SegmentKind(Word):
     """Straight out."""
 
 
+THEN = {SegmentKind.GRASP: SegmentKind.LIFT, SegmentKind.RELEASE: SegmentKind.RETREAT}
+"""What the arm does next where it stands still: the same may touch."""
+
+
 @dataclass(frozen=True)
 class Segment:
     """One piece of a pick and place, as the arm does it and as a plan's file has it.

@@ -14,7 +14,7 @@ from topple.planner.motion.shortcut import densely
 from topple.planner.motion.trajectory import retime
 from topple.planner.motion.upright import Upright, plan_upright
 from topple.planner.transfer.limits import TransferLimits
-from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_than
+from topple.planner.transfer.segments import THEN, Segment, SegmentKind, no_faster_than
 from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
 from topple.topology.base.arrays import FloatArray
 
@@ -131,10 +131,7 @@ def segments_of(stages: Sequence[Stage], grasp: Grasp, limits: TransferLimits) -
         assert proof is not None, f"{stage.kind} has no proof yet"
         holding = None if checker.attached is None else checker.attached.name
         given = grasp.tool, checker.tool_state, None, holding, may_touch(checker)
-        if stage.kind is SegmentKind.LIFT:
-            segments.append(Segment(SegmentKind.GRASP, *given))
-        if stage.kind is SegmentKind.RETREAT:
-            segments.append(Segment(SegmentKind.RELEASE, *given))
+        segments += [Segment(still, *given) for still, then in THEN.items() if then is stage.kind]
         trajectory = retime(checker.arm, stage.way, limits.speed)
         if stage.kind in STRAIGHT:
             places = checker.arm.tool_pose(stage.way, grasp.tool)[:, :3, 3]

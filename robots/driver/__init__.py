@@ -16,6 +16,7 @@ from topple.robots.arm.gripper import ToolState
 from topple.topology.base.arrays import FloatArray, frozen
 from topple.topology.base.values import ByValue
 
+# (n,) and (m, n) numbers, in a file a list and a list of lists
 Samples = np.ndarray[tuple[int], np.dtype[np.float64]]
 Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 _LIST = Meta(extra_json_schema={"items": {"type": "number"}})
