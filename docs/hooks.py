@@ -168,7 +168,8 @@ def _fields() -> str:
     for name, struct in plan_schema()["$defs"].items():
         about, _, told = struct.get("description", "").partition("Attributes:")
         says = dict(re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", told, re.MULTILINE))
-        page += f"\n## {name}\n\n{' '.join(about.split())}\n\n| field | type | |\n| --- | --- | --- |\n"
+        words = " ".join([*about.split(), *(f"`{word}`" for word in struct.get("enum", ()))])
+        page += f"\n## {name}\n\n{words}\n\n| field | type | |\n| --- | --- | --- |\n"
         for field, kind in struct.get("properties", {}).items():
             page += f"| `{field}` | {_kind(kind)} | {' '.join(says.get(field, '').split())} |\n"
     return page

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.robots.driver import Motion
+from topple.robots.driver import Trajectory
 from topple.robots.engine import pybullet
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.base.arrays import FloatArray
@@ -58,11 +58,11 @@ class Through:
         """Whether something is in the hand."""
         return self.inner.holding
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         """Follow a joint trajectory to its end."""
         return self.inner.follow(trajectory, keep_offset=keep_offset)
 
-    def follow_until(self, trajectory: Motion, force: float) -> float:
+    def follow_until(self, trajectory: Trajectory, force: float) -> float:
         """Follow a joint trajectory, and stop where something holds the hand up."""
         return self.inner.follow_until(trajectory, force)
 
@@ -99,7 +99,7 @@ class Pushed(Through):
         self._left = int(rng.integers(0, 4))  # motions before the one in which it happens
         self._aside = rng.uniform(0.0, 2.0 * np.pi)
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         """Follow a trajectory, and be pushed at half of its way."""
         self._left -= 1
         if self._left != -1:
@@ -108,7 +108,7 @@ class Pushed(Through):
             return super().follow(trajectory, keep_offset=keep_offset)
 
     @contextmanager
-    def _somebody(self, trajectory: Motion) -> Generator[None, None, None]:
+    def _somebody(self, trajectory: Trajectory) -> Generator[None, None, None]:
         """Pushes the hand at half of the time until it is off its path, or half a second."""
         inner, world = self.inner, self.inner.world
         tool = next(iter(inner.arm.tools))
@@ -170,7 +170,7 @@ class Leaking(Through):
         super().__init__(inner, rng)
         self._left = int(rng.integers(0, 2))  # motions with something on the cup before it happens
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         """Follow a trajectory, and lose what hangs there at half of its way."""
         if self.inner.vacuum is None or not self.inner.holding:
             return super().follow(trajectory, keep_offset=keep_offset)

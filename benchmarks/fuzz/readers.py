@@ -20,17 +20,17 @@ from topple.planner.formats.plan_structs import (
     AttachmentData,
     DependencyData,
     GraspData,
-    HandState,
-    Motion,
     ObjectData,
     PlacementData,
-    SegmentData,
     Step,
 )
 from topple.planner.grasp.foreign import ForeignGrasps, read_grasps
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
+from topple.planner.transfer.segments import Segment, SegmentKind
+from topple.robots.arm.gripper import ToolState
 from topple.robots.arm.gripper_file import read_gripper
 from topple.robots.arm.urdf import Model, read_urdf
+from topple.robots.driver import Trajectory
 from topple.topology.io.limits import read_bytes
 from topple.topology.io.strict_json import read_json
 from topple.topology.relations.relate import Relations, relate
@@ -69,11 +69,11 @@ def _wrong_relations(answer: object, path: Path) -> str | None:
 
 
 def _plan() -> Parts:
-    motion = Motion([0.0, 1.0], [[0.0, 0.1], [0.2, 0.1]], [[0.0, 0.0], [0.0, 0.0]])
-    hand = HandState(0.08, 0.0)
+    motion = Trajectory(np.arange(2.0), np.array([[0.0, 0.1], [0.2, 0.1]]), np.zeros((2, 2)))
+    hand = ToolState(0.08, 0.0)
     segments = [
-        SegmentData("approach", "fingers", hand, motion, certified=True, clearance=0.02),
-        SegmentData("grasp", "fingers", hand, may_touch=[("finger", "mug")]),
+        Segment(SegmentKind.APPROACH, "fingers", hand, motion, certified=True, clearance=0.02),
+        Segment(SegmentKind.GRASP, "fingers", hand, may_touch=(("finger", "mug"),)),
     ]
     step = Step(
         object="mug", action="free", reason="asked for", after=[],

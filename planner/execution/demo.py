@@ -23,8 +23,8 @@ from topple.planner.planning.step import Context, Orderer, Task, order_by
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
 from topple.planner.report.run_page import run_page
-from topple.planner.transfer.checks import Station
 from topple.robots import scenario
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot as robot_named
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, fixture_in
 from topple.robots.scenarios import SCENARIOS, Scenario

@@ -26,11 +26,11 @@ from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.grasp.tolerances import RELEASE_GAP
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
-from topple.planner.motion.trajectory import Trajectory, retime
+from topple.planner.motion.trajectory import retime
 from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_than
 from topple.planner.transfer.tolerances import MARGIN
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.driver import Driver, Interruptible, Motion
+from topple.robots.driver import Driver, Interruptible, Trajectory
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
@@ -103,7 +103,7 @@ def execute(
                 segment, moved = _begin_lift(segment, transfer, robot, monitor)
                 problem = _put_back_text(moved, transfer.object) if moved else None
             problem = problem or _drive(segment, transfer.object, robot, resumed)
-            if segment.trajectory is not None and not moved:
+            if segment.motion is not None and not moved:
                 done.append(segment)
             if problem is not None:
                 watch(MISSED, segment.tool)
@@ -134,8 +134,8 @@ def _begin_lift(
     Returns:
         What is left of the lift, and what was seen to move, by how far [m].
     """
-    assert isinstance(robot, Interruptible) and segment.trajectory is not None
-    path = segment.trajectory.positions
+    assert isinstance(robot, Interruptible) and segment.motion is not None
+    path = segment.motion.positions
     places = robot.arm.tool_pose(path, segment.tool)[:, :3, 3]
     ways = np.linalg.norm(places - places[0], axis=1)
     first = min(int(np.searchsorted(ways, SLOW_WAY)) + 1, len(path))
@@ -151,11 +151,11 @@ def _begin_lift(
         robot.follow(_way_back(slow, robot.q_target - beside), keep_offset=True)
         return segment, detector.moved
     rest = path[first - 1 :]
-    trajectory = None
+    motion = None
     if len(rest) > 1:
-        speed = float(ways[-1]) / float(segment.trajectory.times[-1])
-        trajectory = no_faster_than(retime(robot.arm, rest, SPEED), float(ways[-1] - ways[first - 1]), speed)
-    return replace(segment, trajectory=trajectory), {}
+        speed = float(ways[-1]) / float(segment.motion.times[-1])
+        motion = no_faster_than(retime(robot.arm, rest, SPEED), float(ways[-1] - ways[first - 1]), speed)
+    return replace(segment, motion=motion), {}
 
 
 def _put_back_text(moved: Mapping[str, float], name: str) -> str:
@@ -164,7 +164,7 @@ def _put_back_text(moved: Mapping[str, float], name: str) -> str:
     return f"{name} was put back: lifting it moved {some}."
 
 
-def _way_back(path: Motion, q: FloatArray) -> Trajectory:
+def _way_back(path: Trajectory, q: FloatArray) -> Trajectory:
     """The way back along a path from joint values (n,) on it."""
     come = max(int(np.abs(path.positions - q).max(axis=1).argmin()) + 1, 2)
     positions, velocities = path.positions[:come][::-1], -path.velocities[:come][::-1]
@@ -202,8 +202,8 @@ def retreat(done: list[Segment], robot: Driver) -> None:
     _let_go(robot, last.hand.opening if last is not None and last.kind is SegmentKind.APPROACH else None)
     if last is None:
         return
-    if last.kind is SegmentKind.APPROACH and last.trajectory is not None:
-        robot.follow(_way_back(last.trajectory, robot.q_target))  # it may have stopped before its end
+    if last.kind is SegmentKind.APPROACH and last.motion is not None:
+        robot.follow(_way_back(last.motion, robot.q_target))  # it may have stopped before its end
     robot.extend(robot.arm.on_the_way(0.0).cup_extension)
     robot.open()
 
@@ -234,7 +234,7 @@ def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> st
         _let_go(robot, max(segment.hand.opening, robot.opening + RELEASE_GAP))
         robot.wait(0.25)  # what was let go comes to rest before the hand leaves
         return None
-    if segment.trajectory is None:
+    if segment.motion is None:
         return None
     gripper = robot.arm.tools[segment.tool].gripper
     if segment.kind in (SegmentKind.MOVE, SegmentKind.APPROACH, SegmentKind.RETREAT):
@@ -248,14 +248,14 @@ def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> st
     if segment.kind in GUARDED:
         robot.wait(STILL)
         guard = TOUCHDOWN if segment.kind is SegmentKind.PLACE else gripper.touch
-        error = robot.follow_until(segment.trajectory, guard)
+        error = robot.follow_until(segment.motion, guard)
     else:  # a hand that gave way as it closed lifts straight up from where it is
         lifting = segment.kind is SegmentKind.LIFT
-        error = robot.follow(segment.trajectory, keep_offset=lifting)
+        error = robot.follow(segment.motion, keep_offset=lifting)
         for _ in range(RESUMED):
             if error <= OFF_COURSE or (segment.kind in WATCHED and not robot.holding):
                 break
-            error = _resume(segment.trajectory, robot)
+            error = _resume(segment.motion, robot)
             if error <= OFF_COURSE:
                 resumed.append(str(segment.kind))
     if segment.kind is SegmentKind.APPROACH and not gripper.presses and _way_left(segment, robot) > SHALLOW:
@@ -267,7 +267,7 @@ def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> st
     return None
 
 
-def _resume(path: Motion, robot: Driver) -> float:
+def _resume(path: Trajectory, robot: Driver) -> float:
     """Brings an arm back to the nearest place of its path and drives the rest of it; the error at the end."""
     nearest = int(np.abs(path.positions - robot.q_target).max(axis=1).argmin())
     there = np.stack([path.positions[nearest]] * 2)
@@ -293,8 +293,8 @@ def _let_go(robot: Driver, opening: float | None) -> None:
 
 def _way_left(segment: Segment, robot: Driver) -> float:
     """How far the tool stopped before the end of a segment [m]."""
-    assert segment.trajectory is not None
-    states = np.stack([robot.q_target, segment.trajectory.positions[-1]])
+    assert segment.motion is not None
+    states = np.stack([robot.q_target, segment.motion.positions[-1]])
     here, there = robot.arm.tool_pose(states, segment.tool)[:, :3, 3]
     return float(np.linalg.norm(there - here))
 
@@ -303,8 +303,8 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
     """(k, 3) in the world [m]."""
     pieces = [np.zeros((0, 3))]
     for segment in done:
-        if segment.trajectory is not None:
-            q = segment.trajectory.positions
+        if segment.motion is not None:
+            q = segment.motion.positions
             chosen = q[np.unique(np.linspace(0, len(q) - 1, PATH_SAMPLES).astype(int))]
             base = robot.arm.tool_pose(chosen, segment.tool)[:, :3, 3]
             pieces.append(transformed(base, robot.pose_base_to_world))

@@ -10,8 +10,8 @@ from topple.planner.execution.tolerances import AT_HOME
 from topple.planner.motion.tolerances import GIVES_WAY
 from topple.planner.planning.holding import FIRST, SECOND, standing_by
 from topple.planner.planning.step import NextStep
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer
+from topple.robots.arm.arm import Station
 from topple.robots.driver import Driver, Fixture
 from topple.topology.bodies.solids import Solids
 

@@ -2,9 +2,10 @@
 
 import xml.etree.ElementTree as ElementTree
 
-from topple.planner.formats.plan_structs import SegmentData, Step
+from topple.planner.formats.plan_structs import Step
 from topple.planner.placement.away import IN_HAND
 from topple.planner.planning.plan_format import Plan
+from topple.planner.transfer.segments import Segment
 
 _WAY, _HAND = ("step", "segment", "holding"), ("object", "tool", "opening", "cup_extension")
 ACTIONS = {
@@ -45,7 +46,7 @@ def behavior_tree(plan: Plan) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def _action(branch: ElementTree.Element, number: int, index: int, step: Step, segment: SegmentData) -> None:
+def _action(branch: ElementTree.Element, number: int, index: int, step: Step, segment: Segment) -> None:
     identifier, ports = ACTIONS[segment.kind]
     values = {
         "step": str(number),

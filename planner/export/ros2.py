@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.planner.formats.plan_structs import Motion, SegmentData, Step
+from topple.planner.formats.plan_structs import Step
 from topple.planner.planning.plan_format import Plan
+from topple.planner.transfer.segments import Segment
 from topple.robots.collision.convex import hull_of
+from topple.robots.driver import Trajectory
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import NotInstalled
 
@@ -68,7 +70,7 @@ def recording(plan: Plan) -> bytes:
         return (path / "plan.mcap").read_bytes()
 
 
-def _send(bag: "_Recording", plan: Plan, step: Step, segment: SegmentData, command: float | None) -> float:
+def _send(bag: "_Recording", plan: Plan, step: Step, segment: Segment, command: float | None) -> float:
     """A segment; the hand is brought to its place before the motion. Returns where the hand is then."""
     about = {"object": step.object, "action": step.action, "kind": segment.kind, "tool": segment.tool}
     bag.say("/topple/segment", {**about, "holding": segment.holding})
@@ -78,11 +80,11 @@ def _send(bag: "_Recording", plan: Plan, step: Step, segment: SegmentData, comma
         bag.seconds += HAND_SECONDS
     if segment.motion is not None:
         bag.send("/joint_trajectory", _trajectory(bag, plan.joints, segment.motion))
-        bag.seconds += segment.motion.times[-1]
+        bag.seconds += segment.seconds
     return hand
 
 
-def _trajectory(bag: "_Recording", joints: list[str], motion: Motion) -> Any:
+def _trajectory(bag: "_Recording", joints: list[str], motion: Trajectory) -> Any:
     none = np.empty(0)
     points = [
         bag.make(

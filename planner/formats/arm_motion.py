@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.formats.plan_structs import SegmentData
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
@@ -19,7 +18,7 @@ HAND_SECONDS = 0.8
 """What opening or closing a hand is shown to take [s]: plans do not time it."""
 
 
-Carry = tuple[Sequence[Segment | SegmentData], Collection[str], FloatArray]
+Carry = tuple[Sequence[Segment], Collection[str], FloatArray]
 """As much of a pick and place as was done: its pieces, of what was planned or of what a plan says, what moves
 with the hand from grasp to release, and (3,) how that goes on from where it is let go [m]."""
 
@@ -62,8 +61,7 @@ class ArmMotion(ByValue):
         ends, clock = list[int](), 0.0
         for drives, names, fall in carries:
             for drive in drives:
-                kind, way = str(drive.kind), drive.trajectory
-                state = ToolState(drive.hand.opening, drive.hand.cup_extension)
+                kind, way, state = str(drive.kind), drive.motion, drive.hand
                 if way is not None:
                     last = len(way.times) - 1
                     chosen = np.unique(np.linspace(0, last, min(last + 1, FRAMES)).round().astype(int))

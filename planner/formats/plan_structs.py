@@ -1,10 +1,14 @@
 """What a plan is made of: frozen structs that are written as JSON and read back equal."""
 
+from typing import Any
+
 import msgspec
 import numpy as np
 
-from topple.planner.formats.plan_robot import ArmData
-from topple.planner.motion.trajectory import Trajectory
+from topple.planner.formats.plan_robot import ArmData, Matrix
+from topple.planner.transfer.segments import Segment
+from topple.robots.driver import Rows, Samples, Trajectory
+from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.notebook import in_cell, in_words
 from topple.topology.base.values import in_columns
@@ -12,57 +16,26 @@ from topple.topology.base.values import in_columns
 FORMAT = "topple.plan"
 FORMAT_VERSION = 1
 
-Matrix = list[list[float]]
+_LISTS: dict[Any, Any] = {Samples: list[float], Rows: Matrix}
 
 
-class HandState(msgspec.Struct, frozen=True, forbid_unknown_fields=False):
-    """How the hand stands: distance of the pads and extension of the cup [m]."""
-
-    opening: float
-    cup_extension: float
+def as_lists(array: Any) -> Any:
+    """Write an array, as a hook of msgspec."""
+    return array.tolist()
 
 
-class Motion(msgspec.Struct, frozen=True):
-    """A joint trajectory: times (t,) [s], positions (t, n) [rad], velocities (t, n) [rad/s]."""
+def as_array(kind: Any, value: object) -> FloatArray:
+    """Read an array (n,) or (m, n) of a kind that `Trajectory` has, as a hook of msgspec.
 
-    times: list[float]
-    positions: Matrix
-    velocities: Matrix
-
-
-class SegmentData(msgspec.Struct, frozen=True):
-    """One piece of a step.
-
-    Attributes:
-        kind: One of `topple.planner.transfer.segments.KINDS`.
-        tool: "fingers" or "suction".
-        hand: Set before the motion; for grasp and release what the hand is brought to.
-        motion: Null for grasp and release.
-        holding: What is in the hand.
-        may_touch: Pairs of names (links, objects) that touch here and are meant to.
-        certified: Whether the motion was proven free between its samples too.
-        clearance: Proven lower bound [m] of the distance, all along, of the arm and what it holds to all that
-            stands, but for the pairs that may touch.
-        witness: What meets what where the proof failed.
+    Raises:
+        ValueError: It is none; msgspec adds the path of the field.
     """
-
-    kind: str
-    tool: str
-    hand: HandState
-    motion: Motion | None = None
-    holding: str | None = None
-    may_touch: list[tuple[str, str]] = []
-    certified: bool = False
-    clearance: float = 0.0
-    witness: tuple[str, str] | None = None
-
-    @property
-    def trajectory(self) -> Trajectory | None:
-        """The motion as arrays; None where the arm stands still."""
-        if self.motion is None:
-            return None
-        way = self.motion
-        return Trajectory(np.array(way.times), np.array(way.positions), np.array(way.velocities))
+    try:
+        return np.array(msgspec.convert(value, _LISTS[kind]), dtype=np.float64)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from error
+    except ValueError as error:
+        raise ValueError("Expected rows of one length") from error
 
 
 class GraspData(msgspec.Struct, frozen=True):
@@ -178,7 +151,7 @@ class Step(msgspec.Struct, frozen=True):
     after: list[int]
     grasp: GraspData
     placement: PlacementData
-    segments: list[SegmentData]
+    segments: list[Segment]
     attachments: list[AttachmentData] = []
     upright: bool = False
     planning_seconds: float = 0.0
@@ -277,13 +250,13 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         if not 0 <= step < len(self.steps):
             raise InvalidInput(f"the plan has no step {step}: expected 0 to {len(self.steps) - 1}")
         segments = self.steps[step].segments
-        kinds = [part.kind for part in segments]
+        kinds = [str(part.kind) for part in segments]
         found = kinds.index(segment) if segment in kinds else -1
         index = found if isinstance(segment, str) else segment
         if not 0 <= index < len(segments):
             known = ", ".join(f"{number} {kind}" for number, kind in enumerate(kinds))
             raise InvalidInput(f"step {step} has no segment {segment!r}: it has {known}")
-        way = segments[index].trajectory
+        way = segments[index].motion
         if way is None:
             raise InvalidInput(f"step {step}: the arm stands still in segment {index}, {kinds[index]}")
         return way
@@ -303,7 +276,7 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         """A row for each step: number, action, object, reason, grasp, what it comes after, motion [s]."""
         rows: list[tuple[str, ...]] = []
         for number, step in enumerate(self.steps, start=1):
-            seconds = sum(part.motion.times[-1] for part in step.segments if part.motion is not None)
+            seconds = sum(part.seconds for part in step.segments)
             deed, after = (
                 (step.action, step.object, step.reason, step.grasp.kind),
                 (self.steps[i] for i in step.after),

@@ -44,6 +44,8 @@ class Checker:
     Attributes:
         arm: The arm.
         model: Parts and pairs.
+        tool_state: How the hand stands.
+        attached: What it holds, if anything.
         margin: Wanted distance from obstacles in [m].
         allow: Pairs of names that may touch.
     """
@@ -73,11 +75,11 @@ class Checker:
         Raises:
             InvalidInput: If an obstacle has no finite points or shares a link's name.
         """
-        self.arm = arm
-        self.margin = margin
+        self.arm, self.margin = arm, margin
+        self.tool_state, self.attached = tool_state or arm.open_hand, attached
         self.allow = frozenset(allow)
         self.model = CollisionModel.of(
-            arm, pose_base_to_world, obstacles, tool_state or arm.open_hand, attached, allow, margin
+            arm, pose_base_to_world, obstacles, self.tool_state, attached, allow, margin
         )
         self._open = OpenPairs(self.model)
         self.exact = ExactPhase(self.model)

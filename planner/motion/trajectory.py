@@ -1,20 +1,11 @@
 """Paths to trajectories: joint positions over time, within velocity and acceleration limits."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from topple.planner.motion.tolerances import CORNER_SHARE, PERIOD
 from topple.robots.arm.arm import Arm
-from topple.topology.base.arrays import FloatArray, frozen
-
-
-class Trajectory(NamedTuple):
-    """Joint positions over time: times (t,) [s] from 0, positions (t, n) [rad] or [m], velocities (t, n)."""
-
-    times: FloatArray
-    positions: FloatArray
-    velocities: FloatArray
+from topple.robots.driver import Trajectory
+from topple.topology.base.arrays import FloatArray
 
 
 def retime(arm: Arm, path: FloatArray, speed: float = 0.5) -> Trajectory:
@@ -110,4 +101,4 @@ def _sampled(
     positions = path[edge] + before[:, None] * directions[edge]
     velocities = rate[:, None] * directions[edge]
     positions[-1], velocities[-1] = path[-1], 0.0
-    return Trajectory(*map(frozen, (sample, positions, velocities)))
+    return Trajectory(sample, positions, velocities)

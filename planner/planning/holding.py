@@ -13,12 +13,11 @@ from topple.planner.motion.other_arm import arm_bodies, surface_points
 from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import APART, GRIPS
 from topple.planner.planning.transfers import Transfers
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.grip import Grips, letting_go
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import Solids

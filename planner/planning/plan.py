@@ -20,9 +20,8 @@ from topple.planner.planning.plan_format import Plan
 from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Orderer, Task
 from topple.planner.planning.tolerances import TRIES
-from topple.planner.transfer.checks import Station
 from topple.planner.verify.claims import SEEN_ORDER
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import BULLET, INSTALLED

@@ -1,6 +1,7 @@
-"""Transfers as plan data, and back."""
+"""Transfers as plan data."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,17 +11,16 @@ from topple.planner.formats.plan_structs import (
     AwayData,
     DependencyData,
     GraspData,
-    HandState,
     Matrix,
-    Motion,
     ObjectData,
     PlacementData,
-    SegmentData,
     Step,
 )
 from topple.planner.placement.away import Receiver
 from topple.planner.planning.step import NextStep
 from topple.planner.transfer.segments import Segment
+from topple.robots.arm.gripper import ToolState
+from topple.robots.driver import Trajectory
 from topple.topology.base.arrays import FloatArray
 from topple.topology.situation.situation import Situation
 
@@ -68,7 +68,7 @@ def step_data(
             "" if place.how is None else str(place.how),
             place.falls,
         ),
-        segments=[segment_data(segment) for segment in transfer.segments],
+        segments=[_rounded_segment(segment) for segment in transfer.segments],
         attachments=[
             AttachmentData(name, grasp.tool, _rounded(to_tool @ moved.get(name, np.eye(4))))
             for name in (transfer.object, *transfer.riding)
@@ -122,24 +122,11 @@ def rounded_parts(parts: Sequence[FloatArray]) -> list[list[list[float]]]:
     return [_rounded(part) for part in parts]
 
 
-def segment_data(segment: Segment) -> SegmentData:
-    """A segment as data."""
-    hand = HandState(round(segment.hand.opening, DIGITS), round(segment.hand.cup_extension, DIGITS))
-    motion = None
-    if segment.trajectory is not None:
-        times, positions, velocities = (np.round(each, DIGITS) for each in segment.trajectory)
+def _rounded_segment(segment: Segment) -> Segment:
+    hand = ToolState(round(segment.hand.opening, DIGITS), round(segment.hand.cup_extension, DIGITS))
+    motion = segment.motion
+    if motion is not None:
+        times, positions, velocities = (np.round(each, DIGITS) for each in motion)
         kept = np.append(np.diff(times) > 0.0, True)  # the last sample may follow within a microsecond
-        motion = Motion(times[kept].tolist(), positions[kept].tolist(), velocities[kept].tolist())
-    proof = segment.certificate
-    found = proof.contact if proof is not None else None
-    return SegmentData(
-        str(segment.kind),
-        segment.tool,
-        hand,
-        motion,
-        segment.holding,
-        list(segment.may_touch),
-        certified=proof is not None and proof.proven,
-        clearance=0.0 if proof is None else round(proof.clearance, DIGITS),
-        witness=None if found is None else (found.a, found.b),
-    )
+        motion = Trajectory(times[kept], positions[kept], velocities[kept])
+    return replace(segment, hand=hand, motion=motion, clearance=round(segment.clearance, DIGITS))

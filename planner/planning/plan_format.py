@@ -11,13 +11,14 @@ import numpy as np
 
 from topple.planner.decide.goal import Action, PlaceRelation
 from topple.planner.fallbacks import Fallback
-from topple.planner.formats.plan_structs import FORMAT, FORMAT_VERSION, Matrix, PlanData, SegmentData
+from topple.planner.formats.plan_structs import FORMAT, FORMAT_VERSION, Matrix, PlanData, as_array, as_lists
 from topple.planner.placement.away import BODIES, Away
-from topple.planner.transfer.segments import KINDS
+from topple.planner.transfer.segments import Segment
 from topple.planner.verify.verification import Verification
 from topple.planner.verify.verify import verify
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import as_pose
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.files import write_whole
@@ -53,7 +54,7 @@ class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data s
 
     def to_json(self) -> dict[str, Any]:
         """The plan as a `topple.plan` document."""
-        return msgspec.to_builtins(self)
+        return msgspec.to_builtins(self, enc_hook=as_lists)
 
     @staticmethod
     def from_json(document: Mapping[str, Any] | str | bytes) -> "Plan":
@@ -93,7 +94,7 @@ def plan_to_json(plan: Plan) -> bytes:
     Returns:
         UTF-8 JSON.
     """
-    return msgspec.json.encode(plan)
+    return msgspec.json.encode(plan, enc_hook=as_lists)
 
 
 def plan_from_json(data: bytes | str, name: str = "plan.json") -> Plan:
@@ -111,7 +112,7 @@ def plan_from_json(data: bytes | str, name: str = "plan.json") -> Plan:
     """
     document = read_json(data, name)
     try:
-        plan = msgspec.convert(document, Plan, str_keys=True)
+        plan = msgspec.convert(document, Plan, str_keys=True, dec_hook=as_array)
     except msgspec.ValidationError as error:
         raise InvalidInput(f"{name} is no plan: {error}") from error
     if plan.format != FORMAT or plan.format_version != FORMAT_VERSION:
@@ -126,7 +127,7 @@ def plan_from_json(data: bytes | str, name: str = "plan.json") -> Plan:
 
 def plan_schema() -> dict[str, Any]:
     """The JSON schema (2020-12) of a plan, as `docs/plan.schema.json` has it."""
-    made = msgspec.json.schema(Plan)
+    made = msgspec.json.schema(Plan, schema_hook=lambda _: {"type": "array"})
     for part in made["$defs"].values():
         if "description" in part:  # as msgspec itself has it from 0.23 on
             part["description"] = cleandoc(part["description"])
@@ -187,8 +188,7 @@ def _faults(plan: Plan) -> Iterator[str]:
                 yield from _matrix(part, max(len(part), 1), 3, f"$.objects[{i}].{key}[{k}]")
 
 
-def _segment(segment: SegmentData, joints: int, here: str) -> Iterator[str]:
-    yield from _other([segment.kind], KINDS, f"{here}.kind")
+def _segment(segment: Segment, joints: int, here: str) -> Iterator[str]:
     if any(one == other for one, other in segment.may_touch):
         yield f"`{here}.may_touch` has a name with itself"
     if segment.motion is not None:
@@ -217,7 +217,7 @@ def _pose(matrix: Matrix, where: str) -> Iterator[str]:
         yield str(error)
 
 
-def _matrix(matrix: Matrix, rows: int, columns: int, where: str) -> Iterator[str]:
+def _matrix(matrix: Matrix | FloatArray, rows: int, columns: int, where: str) -> Iterator[str]:
     if len(matrix) != rows:
         yield f"`{where}` has {len(matrix)} rows, expected {rows}"
     for i, row in enumerate(matrix):

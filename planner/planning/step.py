@@ -14,8 +14,8 @@ from topple.planner.placement.away import Receiver
 from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.simulate.sandbox import Sandbox
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer
+from topple.robots.arm.arm import Station
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.base.plugins import Table

@@ -12,9 +12,8 @@ from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.simulate.sandbox import Sandbox
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.prediction import after
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.robots.catalog import robot as robot_named
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray

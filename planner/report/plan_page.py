@@ -173,7 +173,7 @@ def _reason(step: Step, told: str) -> str:
 
 def _how(step: Step) -> str:
     """Grasp, place, clearance and time of a step, in words."""
-    seconds = sum(segment.motion.times[-1] for segment in step.segments if segment.motion is not None)
+    seconds = sum(segment.seconds for segment in step.segments)
     free = [segment.clearance for segment in step.segments if segment.certified and segment.kind in FREE]
     parts = [f"{step.grasp.kind} grasp", f"{step.placement.words}, {step.placement.rest}".rstrip(", ")]
     if step.placement.drop > 5e-4:

@@ -1,19 +1,18 @@
 """What is checked against what while one object is taken, carried and put down."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
 
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.jaw import stepped
 from topple.planner.grasp.shape import Shape, shapes_of
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
+from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.tolerances import CONTACT
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Station
 from topple.robots.arm.gripper import ToolState
 from topple.robots.arm.torques import Strain, strain
 from topple.robots.collision.fcl_bodies import apart
@@ -23,21 +22,6 @@ from topple.topology.bodies.solids import Solids, moved
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import volume_and_centre
 from topple.topology.situation.situation import Situation
-
-
-@dataclass(frozen=True, eq=False)
-class Station:
-    """An arm as it stands.
-
-    Attributes:
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
-        q: (n,) its joint values [rad].
-    """
-
-    arm: Arm
-    pose_base_to_world: FloatArray
-    q: FloatArray
 
 
 class Checks:
@@ -62,7 +46,7 @@ class Checks:
         obstacles: Solids | None = None,
     ) -> None:
         self.name, self.arm, self.q_start = name, station.arm, np.asarray(station.q)
-        self.riding, self.seed = riding, seed
+        self.riding, self.own, self.seed = riding, (name, *riding), seed
         self.situation, self.scene, self.up = situation, situation.scene, situation.up
         self.bodies: Solids = {**situation.solids, **(obstacles or {})}
         self.pose_base_to_world = np.asarray(station.pose_base_to_world)
@@ -78,7 +62,7 @@ class Checks:
         A weight that is guessed is off by a factor of two, so nothing is refused for it.
         """
         masses, known = self.scene.masses, self.scene.centres
-        bodies = {name: self.bodies[name] for name in (self.name, *self.riding) if name in masses}
+        bodies = {name: self.bodies[name] for name in self.own if name in masses}
         if not bodies:
             return 0.0, np.zeros(3)
         centres = [
@@ -107,64 +91,77 @@ class Checks:
 
     # -- what is checked against what
 
-    def approaching(self, grasp: Grasp, lenient: bool) -> Checker:
-        """The open hand around the object: what holds may touch it."""
-        key = ("approach", grasp.tool, self.hand(grasp).ready(grasp), lenient)
-        if key not in self._checkers:
-            others = [other for other in self.scene.movable if other != self.name] if lenient else []
-            allow = _pairs(self.hand(grasp).links, [self.name, *others])
-            self._checkers[key] = self._checker(self.bodies, self.hand(grasp).ready(grasp), allow=allow)
-        return self._checkers[key]
+    def checker(
+        self,
+        kind: SegmentKind,
+        grasp: Grasp,
+        place: Placement | None = None,
+        *,
+        lenient: bool = False,
+        margin: float = 0.0,
+        placed: bool = True,
+    ) -> Checker:
+        """Make what a motion is checked against, once for all that are checked alike.
 
-    def lifting(self, grasp: Grasp, lenient: bool) -> Checker:
-        """The object leaving what it stood on or against: what it touches now it may touch."""
-        allow = _pairs([self.name], self.touching)
-        if lenient:
-            allow += _pairs(self.hand(grasp).links, [o for o in self.others if o in self.scene.movable])
-        held = self._attached(grasp)
-        return self._checker(self.others, self.hand(grasp).closed(grasp), attached=held, allow=allow)
-
-    def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
-        """The object in the hand, everything else in the way at a margin, but for what it is put into."""
-        key = ("carry", grasp, margin, into)
+        Args:
+            kind: The motion.
+            grasp: How the object is held.
+            place: Where it goes.
+            lenient: Whether fingers that come or lift may enter the inferred bodies of neighbours.
+            margin: Least distance from everything [m].
+            placed: Whether the object is where a hand leaves it; else it is left out.
+        """
+        comes, leaves = kind in (SegmentKind.MOVE, SegmentKind.APPROACH), kind is SegmentKind.RETREAT
+        into = None if place is None else place.into
+        held, at = None if comes or leaves else grasp, place if leaves and placed else into
+        state = self._hand_at(kind, grasp, into)
+        key = kind, grasp.tool, state, held, at, lenient, margin
         if key not in self._checkers:
-            self._checkers[key] = self._checker(
-                self.others,
-                self.hand(grasp).closed(grasp),
-                attached=self._attached(grasp),
-                allow=[] if into is None else _pairs([self.name], [into]),
+            bodies = self.bodies if comes else self.others
+            if leaves and placed and place is not None:
+                left = {name: moved(self.bodies[name], place.pose_before_to_after) for name in self.own}
+                bodies = {**bodies, **left}
+            self._checkers[key] = Checker(
+                self.arm,
+                self.pose_base_to_world,
+                bodies,
+                tool_state=state,
+                attached=None if held is None else self._attached(held),
+                allow=self._may_touch(kind, grasp, into, lenient),
                 margin=margin,
             )
         return self._checkers[key]
 
-    def leaving(self, grasp: Grasp, into: str | None = None) -> Checker:
-        """The open hand drawing back from the object at its new place.
+    def _hand_at(self, kind: SegmentKind, grasp: Grasp, into: str | None) -> ToolState:
+        """How the hand stands during a motion."""
+        hand = self.hand(grasp)
+        if kind is SegmentKind.MOVE:
+            return self.arm.on_the_way(hand.ready(grasp).opening)
+        if kind is SegmentKind.RETREAT:
+            return hand.released(grasp, into, self.up)
+        return hand.ready(grasp) if kind is SegmentKind.APPROACH else hand.closed(grasp)
 
-        The object itself is left out, as its place is not known here; `parting` has it.
-        """
-        state = self.hand(grasp).released(grasp, into, self.up)
-        key = ("leave", grasp.tool, state)
-        if key not in self._checkers:
-            self._checkers[key] = self._checker(self.others, state)
-        return self._checkers[key]
-
-    def parting(self, grasp: Grasp, place: Placement) -> Checker:
-        """The open hand drawing back, the object at its new place included: what held it may touch it."""
-        pose = place.pose_before_to_after
-        bodies = {**self.others, **{n: moved(self.bodies[n], pose) for n in (self.name, *self.riding)}}
-        allow = _pairs(self.hand(grasp).links, (self.name, *self.riding))
-        return self._checker(bodies, self.hand(grasp).released(grasp, place.into, self.up), allow=allow)
-
-    def empty(self, opening: float) -> Checker:
-        """The empty hand among everything; it may start near what it just left, so no margin is asked for."""
-        opening = min(self.arm.hand_limits.opening, stepped(opening))
-        return self._checker(self.bodies, self.arm.on_the_way(opening))
+    def _may_touch(
+        self, kind: SegmentKind, grasp: Grasp, into: str | None, lenient: bool
+    ) -> list[frozenset[str]]:
+        """Who may touch whom during a motion; nobody where that is not said."""
+        links, near = self.hand(grasp).links, self.scene.movable if lenient else ()
+        match kind:
+            case SegmentKind.APPROACH:
+                return _pairs(links, [self.name, *near])
+            case SegmentKind.LIFT:  # what the object touches now, off which it comes
+                return _pairs([self.name], self.touching) + _pairs(links, {*near}.difference(self.own))
+            case SegmentKind.PLACE if into is not None:
+                return _pairs([self.name], [into])
+            case SegmentKind.RETREAT:
+                return _pairs(links, self.own)
+            case _:
+                return []
 
     @cached_property
     def others(self) -> dict[str, Sequence[FloatArray]]:
         """The bodies of all but the object and what rides in it."""
-        away = (self.name, *self.riding)
-        return {other: parts for other, parts in self.bodies.items() if other not in away}
+        return {other: parts for other, parts in self.bodies.items() if other not in self.own}
 
     @cached_property
     def touching(self) -> tuple[str, ...]:
@@ -178,28 +175,9 @@ class Checks:
 
     def _attached(self, grasp: Grasp) -> Attachment:
         to_tool: FloatArray = np.linalg.inv(self.tool_pose(grasp)).astype(np.float64)
-        parts = [part for name in (self.name, *self.riding) for part in self.bodies[name]]
+        parts = [part for name in self.own for part in self.bodies[name]]
         return Attachment(moved(parts, to_tool), grasp.tool, self.name)
 
-    def _checker(
-        self,
-        bodies: Solids,
-        state: ToolState,
-        *,
-        attached: Attachment | None = None,
-        allow: Sequence[frozenset[str]] = (),
-        margin: float = 0.0,
-    ) -> Checker:
-        return Checker(
-            self.arm,
-            self.pose_base_to_world,
-            bodies,
-            tool_state=state,
-            attached=attached,
-            allow=allow,
-            margin=margin,
-        )
 
-
-def _pairs(links: Sequence[str], objects: Sequence[str]) -> list[frozenset[str]]:
+def _pairs(links: Iterable[str], objects: Collection[str]) -> list[frozenset[str]]:
     return [frozenset((link, name)) for link in links for name in objects]

@@ -55,10 +55,10 @@ class Grips:
         approach = handling.approach(state, limits.approach, self._log)
         if approach.path is None or not approach.prove():
             return None
-        move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), self._log)
+        move = Stage(SegmentKind.MOVE, handling.checker(SegmentKind.MOVE, grasp), self._log)
         if move.search(self._q_start, approach.way[:1], handling.seed, limits.rounds) is None:
             return None
-        ways = segments_of((move, approach), handling, grasp, STAYS, limits)
+        ways = segments_of((move, approach), grasp, limits)
         hand = handling.hand(grasp).closed(grasp)
         close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, handling.name, ways[-1].may_touch)
         return Transfer(handling.name, grasp, STAYS, (*ways, close), state.q, dict(self._log.reasons))
@@ -76,8 +76,8 @@ def letting_go(state: Reached, handling: Handling) -> Transfer | TransferFailure
     back = handling.approach(state, limits.retreat, log)
     if back.path is None:
         return log.failure(name)
-    retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, STAYS), log)
+    retreat = Stage(SegmentKind.RETREAT, handling.checker(SegmentKind.RETREAT, grasp, STAYS), log)
     if not retreat.straight(back.way[::-1], state.q) or not retreat.prove():
         return log.failure(name)
-    ways = segments_of((retreat,), handling, grasp, STAYS, limits)
+    ways = segments_of((retreat,), grasp, limits)
     return Transfer(name, grasp, STAYS, ways, retreat.way[-1], dict(log.reasons))

@@ -72,9 +72,8 @@ class Handling(Checks):
         """
         both = [hand for grasp in grasps for hand in self.hand(grasp).turns(grasp)]
         poses = [self.tool_pose(grasp) for grasp in both]
-        clear = self._clear_of(
-            both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", log
-        )
+        checkers = [self.checker(SegmentKind.APPROACH, grasp, lenient=True) for grasp in both]
+        clear = self._clear_of(both, poses, checkers, "grasp", log)
         both = self._seen_first([grasp for grasp, free in zip(both, clear, strict=True) if free])
         for first in range(0, len(both), AT_ONCE):
             some = both[first : first + AT_ONCE]
@@ -106,7 +105,7 @@ class Handling(Checks):
             Free states, at most two for each hand pose.
         """
         for grasp, states in hands:
-            checker = self.approaching(grasp, lenient)
+            checker = self.checker(SegmentKind.APPROACH, grasp, lenient=lenient)
             free = checker.free(states)
             if not free.any():
                 Stage(SegmentKind.APPROACH, checker, log).blame(states[0], "grasp")
@@ -163,13 +162,16 @@ class Handling(Checks):
         """Straight from before the object to the grasp."""
         back = np.eye(4)
         back[2, 3] = -length
-        stage = Stage(SegmentKind.APPROACH, self.approaching(state.grasp, state.lenient), log)
+        stage = self._stage(SegmentKind.APPROACH, state, log)
         self._straight(stage, state, self.tool_pose(state.grasp) @ back, backwards=True)
         return stage
 
+    def _stage(self, kind: SegmentKind, state: Reached, log: FailureLog) -> Stage:
+        return Stage(kind, self.checker(kind, state.grasp, lenient=state.lenient), log)
+
     def lift(self, state: Reached, length: float, log: FailureLog) -> Stage:
         """Straight the way out with the object: off what it stands on first, where that is not up."""
-        stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
+        stage = self._stage(SegmentKind.LIFT, state, log)
         moves = self._moves(self.situation.way_out(self.name), length)
         self._straight(stage, state, *(_translated(self.tool_pose(state.grasp), move) for move in moves))
         self.bears(stage, state.grasp)
@@ -234,8 +236,8 @@ class Handling(Checks):
             retreat: Straight way out [m].
             log: Notes what placements are dropped for.
         """
-        into = places[0].into
-        carrying, leaving = self.carrying(grasp, 0.0, into), self.leaving(grasp, into)
+        carrying = self.checker(SegmentKind.PLACE, grasp, places[0])
+        leaving = self.checker(SegmentKind.RETREAT, grasp, places[0], placed=False)
         found = list(places)
         for checker, step, way in (
             (carrying, "place", 0.0),
@@ -276,7 +278,7 @@ class Handling(Checks):
             Ends, best placements first, each placement once.
         """
         grasp, held = state.grasp, places[0].how in IN_HAND
-        checker = self.carrying(grasp, MARGIN if held else 0.0, places[0].into)
+        checker = self.checker(SegmentKind.PLACE, grasp, places[0], margin=MARGIN if held else 0.0)
         for first in range(0, len(places), AT_ONCE):
             some = places[first : first + AT_ONCE]
             targets = [place.pose_before_to_after @ self.tool_pose(grasp) for place in some]
@@ -319,7 +321,8 @@ class Handling(Checks):
             if any(place is other for other in found):
                 continue
             lower = Stage(SegmentKind.PLACE, carrying, log)
-            retreat = Stage(SegmentKind.RETREAT, self.leaving(grasp, place.into), log)
+            left = self.checker(SegmentKind.RETREAT, grasp, place, placed=False)
+            retreat = Stage(SegmentKind.RETREAT, left, log)
             lowered = lower.straight(rising, q, backwards=True) and self.bears(lower, grasp)
             if lowered and retreat.straight(leaving, q):
                 found.append(place)

@@ -7,13 +7,12 @@ from topple.planner.grasp.judge import in_the_way
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.motion.certificate import Certifier
-from topple.planner.motion.collision import Checker
-from topple.planner.transfer.checks import Checks, Station
-from topple.planner.transfer.segments import Segment, SegmentKind
+from topple.planner.transfer.checks import Checks
+from topple.planner.transfer.segments import THEN, Segment, SegmentKind
 from topple.planner.transfer.stages import may_touch
 from topple.planner.transfer.tolerances import MARGIN, ROUNDING
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.topology.situation.situation import Situation
 
 
@@ -35,15 +34,19 @@ def recertified(transfer: Transfer, situation: Situation, station: Station) -> T
     if transfer.object not in situation.movable or not _takes(transfer, situation, station.arm):
         return None
     checks = Checks(transfer.object, situation, station, transfer.riding)
-    checkers = _checkers(transfer, checks)
+    lenient = Fallback.THROUGH_GUESSES in transfer.fallbacks
+    margin = 0.0 if Fallback.NARROW in transfer.fallbacks else MARGIN
     segments: list[Segment] = []
     for segment in transfer.segments:
-        checker, certificate = checkers[segment.kind], None
-        if segment.trajectory is not None:
-            certificate = Certifier(checker).path(segment.trajectory.positions, ROUNDING)
+        kind, clearance = THEN.get(segment.kind, segment.kind), 0.0
+        kept = margin if kind is SegmentKind.TRANSFER else 0.0
+        checker = checks.checker(kind, transfer.grasp, transfer.placement, lenient=lenient, margin=kept)
+        if segment.motion is not None:
+            certificate = Certifier(checker).path(segment.motion.positions, ROUNDING)
             if not certificate.proven:
                 return None
-        segments.append(replace(segment, may_touch=may_touch(checker), certificate=certificate))
+            clearance = certificate.clearance
+        segments.append(replace(segment, may_touch=may_touch(checker), clearance=clearance))
     return replace(transfer, segments=tuple(segments))
 
 
@@ -53,21 +56,3 @@ def _takes(transfer: Transfer, situation: Situation, arm: Arm) -> bool:
     room = Room.of(situation, arm)
     within = room.within(grasp.tool, grasp.pose_tool_to_world[None])[0][scene.movable.index(transfer.object)]
     return within > GRASP_TOLERANCES.stray_points and not in_the_way([grasp], room)[0][1]
-
-
-def _checkers(transfer: Transfer, checks: Checks) -> dict[SegmentKind, Checker]:
-    """What each segment is checked against."""
-    grasp, place = transfer.grasp, transfer.placement
-    lenient = Fallback.THROUGH_GUESSES in transfer.fallbacks
-    margin = 0.0 if Fallback.NARROW in transfer.fallbacks else MARGIN
-    lift, retreat = checks.lifting(grasp, lenient), checks.parting(grasp, place)
-    return {
-        SegmentKind.MOVE: checks.empty(grasp.opening),
-        SegmentKind.APPROACH: checks.approaching(grasp, lenient),
-        SegmentKind.GRASP: lift,
-        SegmentKind.LIFT: lift,
-        SegmentKind.TRANSFER: checks.carrying(grasp, margin),
-        SegmentKind.PLACE: checks.carrying(grasp, 0.0, place.into),
-        SegmentKind.RELEASE: retreat,
-        SegmentKind.RETREAT: retreat,
-    }

@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass
 
-from topple.planner.motion.certificate import Certificate
-from topple.planner.motion.trajectory import Trajectory
 from topple.robots.arm.gripper import ToolState
+from topple.robots.driver import Trajectory
 from topple.topology.base.values import Word
 
 
 class SegmentKind(Word):
-    """What a piece is, in the order they are driven."""
+    """What a piece is."""
 
     MOVE = "move"
     """The empty hand, to before the object."""
@@ -29,30 +28,41 @@ class SegmentKind(Word):
     """Straight out."""
 
 
-KINDS = tuple(SegmentKind)
+THEN = {SegmentKind.GRASP: SegmentKind.LIFT, SegmentKind.RELEASE: SegmentKind.RETREAT}
+"""What the arm does next where it stands still: the same may touch."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Segment:
-    """One piece.
+    """One piece of a pick and place, as the arm does it and as a plan's file has it.
 
     Attributes:
         kind: Which.
         tool: "fingers" or "suction".
-        hand: How the hand stands: set before the motion; for grasp and release what it is brought to.
-        trajectory: The motion; None for grasp and release.
-        holding: The object in the hand during the motion, or None.
+        hand: Set before the motion; for grasp and release what the hand is brought to.
+        motion: Null for grasp and release.
+        holding: What is in the hand.
         may_touch: Pairs of names (links, objects) that touch here and are meant to.
-        certificate: The proof that nothing else touches all along the motion; None for grasp and release.
+        certified: Whether the motion was proven free between its samples too.
+        clearance: Proven lower bound [m] of the distance, all along, of the arm and what it holds to all that
+            stands, but for the pairs that may touch.
+        witness: What meets what where the proof failed.
     """
 
     kind: SegmentKind
     tool: str
     hand: ToolState
-    trajectory: Trajectory | None
-    holding: str | None
+    motion: Trajectory | None = None
+    holding: str | None = None
     may_touch: tuple[tuple[str, str], ...] = ()
-    certificate: Certificate | None = None
+    certified: bool = False
+    clearance: float = 0.0
+    witness: tuple[str, str] | None = None
+
+    @property
+    def seconds(self) -> float:
+        """Duration of the motion [s]; 0 where the arm stands still."""
+        return 0.0 if self.motion is None else float(self.motion.times[-1])
 
 
 def no_faster_than(trajectory: Trajectory, length: float, speed: float) -> Trajectory:

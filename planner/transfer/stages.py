@@ -1,7 +1,7 @@
 """The stages of a transfer: each with what it is checked against, its way, its proof and its failures."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,10 +13,8 @@ from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.shortcut import densely
 from topple.planner.motion.trajectory import retime
 from topple.planner.motion.upright import Upright, plan_upright
-from topple.planner.placement.placement import Placement
-from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.limits import TransferLimits
-from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_than
+from topple.planner.transfer.segments import THEN, Segment, SegmentKind, no_faster_than
 from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
 from topple.topology.base.arrays import FloatArray
 
@@ -116,47 +114,31 @@ class Stage:
         self.log.note(step, Check.COLLISION, text, q, pair)
 
 
-def segments_of(
-    stages: Sequence[Stage],
-    checks: Checks,
-    grasp: Grasp,
-    place: Placement,
-    limits: TransferLimits,
-) -> tuple[Segment, ...]:
+def segments_of(stages: Sequence[Stage], grasp: Grasp, limits: TransferLimits) -> tuple[Segment, ...]:
     """Time the stages, and put grasp and release between them.
 
     Args:
-        stages: Move, approach, lift, transfer, place and retreat.
-        checks: Of the object.
-        grasp: How it is held.
-        place: Where it goes.
+        stages: Move, approach, lift, transfer, place and retreat, each with a proof.
+        grasp: How the object is held.
         limits: How fast to move.
 
     Returns:
         The segments in the order they are driven.
     """
-    arm, hand = checks.arm, checks.hand(grasp)
-    ready, closed = hand.ready(grasp), hand.closed(grasp)
-    released = hand.released(grasp, place.into, checks.up)
-    hands = {
-        SegmentKind.MOVE: arm.on_the_way(ready.opening),
-        SegmentKind.APPROACH: ready,
-        SegmentKind.RETREAT: released,
-    }
     segments: list[Segment] = []
     for stage in stages:
-        pairs = may_touch(stage.checker)
-        if stage.kind is SegmentKind.LIFT:
-            segments.append(Segment(SegmentKind.GRASP, grasp.tool, closed, None, checks.name, pairs))
-        if stage.kind is SegmentKind.RETREAT:
-            segments.append(Segment(SegmentKind.RELEASE, grasp.tool, released, None, None, pairs))
-        trajectory = retime(arm, stage.way, limits.speed)
+        checker, proof = stage.checker, stage.certificate
+        assert proof is not None, f"{stage.kind} has no proof yet"
+        holding = None if checker.attached is None else checker.attached.name
+        given = grasp.tool, checker.tool_state, None, holding, may_touch(checker)
+        segments += [Segment(still, *given) for still, then in THEN.items() if then is stage.kind]
+        trajectory = retime(checker.arm, stage.way, limits.speed)
         if stage.kind in STRAIGHT:
-            places = arm.tool_pose(stage.way, grasp.tool)[:, :3, 3]
+            places = checker.arm.tool_pose(stage.way, grasp.tool)[:, :3, 3]
             way = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
             trajectory = no_faster_than(trajectory, way, limits.straight_speed)
-        hand, holding = (hands[stage.kind], None) if stage.kind in hands else (closed, checks.name)
-        segments.append(Segment(stage.kind, grasp.tool, hand, trajectory, holding, pairs, stage.certificate))
+        moving = Segment(stage.kind, *given, proof.proven, proof.clearance)
+        segments.append(replace(moving, motion=trajectory))
     return tuple(segments)
 
 

@@ -18,12 +18,12 @@ from topple.planner.grasp.surroundings import Dropped
 from topple.planner.motion.upright import Upright
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement, placements
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
+from topple.robots.arm.arm import Station
 from topple.robots.arm.home import scale_of, workplace_of
 from topple.topology.base.arrays import FloatArray, frozen
 from topple.topology.base.errors import UnknownObject
@@ -67,7 +67,7 @@ class Transfer:
     @property
     def seconds(self) -> float:
         """Duration of the motions [s]."""
-        return sum(float(s.trajectory.times[-1]) for s in self.segments if s.trajectory is not None)
+        return sum(segment.seconds for segment in self.segments)
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +280,8 @@ class _Search:
         ends = list(islice(free, limits.goals))
         if not ends or not approach.prove() or not lift.prove():
             return None
-        carry = Stage(SegmentKind.TRANSFER, handling.carrying(grasp, way.margin), log)
+        carrying = handling.checker(SegmentKind.TRANSFER, grasp, margin=way.margin)
+        carry = Stage(SegmentKind.TRANSFER, carrying, log)
         upright, goal = self._upright(grasp), None
         while goal is None or not self._stays(ends[goal].placement):
             if goal is not None:  # refuted: only where it stays from now on
@@ -295,17 +296,19 @@ class _Search:
         if not handling.bears(carry, grasp):
             return None
         end, held = ends[goal], ends[goal].placement.how in IN_HAND
-        lower = Stage(SegmentKind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
-        retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
+        lower, retreat = (
+            Stage(kind, handling.checker(kind, grasp, end.placement), log, path)
+            for kind, path in ((SegmentKind.PLACE, end.lower), (SegmentKind.RETREAT, end.retreat))
+        )
         if not held and not (lower.prove() and retreat.prove()):
             return None
         stages = (lift, carry) if held else (lift, carry, lower, retreat)
         if state is not self.asked.held:
-            move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
+            move = Stage(SegmentKind.MOVE, handling.checker(SegmentKind.MOVE, grasp), log)
             if move.search(self.handling.q_start, approach.way[:1], handling.seed, limits.rounds) is None:
                 return None
             stages = (move, approach, *stages)
-        segments = segments_of(stages, handling, grasp, end.placement, limits)
+        segments = segments_of(stages, grasp, limits)
         if state is self.asked.held:
             segments = segments[1:]  # the hand is closed
         return Transfer(

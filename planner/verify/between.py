@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from topple.planner.motion.certificate import Certificate, Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
@@ -30,7 +28,7 @@ def certificates(replay: Replay) -> tuple[Proven, ...]:
             attached=Attachment(tuple(held), piece.segment.tool, piece.step.object) if held else None,
             allow=piece.may_touch,
         )
-        positions, room = np.array(piece.segment.motion.positions), piece.segment.clearance - ROUNDED
+        positions, room = piece.segment.motion.positions, piece.segment.clearance - ROUNDED
         kept = not piece.segment.certified or room <= 0.0 or checker.keeping(room).free(positions).all()
         found.append((piece, Certifier(checker).path(positions), bool(kept)))
     return tuple(found)

@@ -5,16 +5,16 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from topple.planner.motion.trajectory import Trajectory
 from topple.planner.verify.replay import Finding, Piece, Replay
 from topple.planner.verify.tolerances import LIP, QUARTERS, STRAYED
 from topple.robots.arm.arm import Arm
+from topple.robots.driver import Trajectory
 from topple.topology.base.arrays import FloatArray
 
 
 def driven(replay: Replay) -> tuple[tuple[Piece, Trajectory], ...]:
     """The pieces in which the arm moves, and how."""
-    some = ((piece, piece.segment.trajectory) for piece in replay.pieces)
+    some = ((piece, piece.segment.motion) for piece in replay.pieces)
     return tuple((piece, way) for piece, way in some if way is not None)
 
 

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from topple.planner.formats.plan_structs import PlanData, SegmentData, Step
+from topple.planner.formats.plan_structs import PlanData, Step
 from topple.planner.placement.away import IN_HAND, Away
-from topple.planner.transfer.segments import SegmentKind
+from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.verify.grip import Grip
 from topple.planner.verify.tolerances import OPENED
 from topple.robots.arm.arm import Arm
@@ -56,7 +56,7 @@ class Piece:
 
     index: int
     step: Step
-    segment: SegmentData
+    segment: Segment
     start: FloatArray
     states: FloatArray
     poses: dict[str, FloatArray]
@@ -76,7 +76,7 @@ class Piece:
     @property
     def hand(self) -> ToolState:
         """How the hand stands."""
-        return ToolState(self.segment.hand.opening, self.segment.hand.cup_extension)
+        return self.segment.hand
 
     @property
     def may_touch(self) -> frozenset[frozenset[str]]:
@@ -259,7 +259,7 @@ def off_by(a: FloatArray, b: FloatArray) -> float:
     return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), angle_between(a, b) / 10.0)
 
 
-def resampled(segment: SegmentData, q: FloatArray, spacing: float) -> FloatArray:
+def resampled(segment: Segment, q: FloatArray, spacing: float) -> FloatArray:
     """States (m, n) along a segment's motion, `spacing` [rad] apart in the joint that moves most.
 
     Args:
@@ -269,7 +269,7 @@ def resampled(segment: SegmentData, q: FloatArray, spacing: float) -> FloatArray
     """
     if segment.motion is None:
         return q[None]
-    rows = np.array(segment.motion.positions)
+    rows = segment.motion.positions
     if len(rows) < 2:
         return rows
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(rows, axis=0)).max(axis=1))])

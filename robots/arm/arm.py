@@ -370,6 +370,15 @@ class Arm:
         return starts
 
 
+@dataclass(frozen=True, eq=False)
+class Station:
+    """An arm as it stands: where, (4, 4), and with which joint values (n,) [rad] or [m]."""
+
+    arm: Arm
+    pose_base_to_world: FloatArray
+    q: FloatArray
+
+
 def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool], named: str) -> None:
     driven = {joint.name for joint in joints}
     for tool in tools.values():

@@ -4,32 +4,39 @@ Nothing here tells what the arm is about to take or what it meets: a driver move
 a force, the pads' distance and the vacuum.
 """
 
-from collections.abc import Callable, Collection
-from typing import Protocol, runtime_checkable
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, fields
+from typing import Annotated, Protocol, runtime_checkable
+
+import numpy as np
+from msgspec import Meta
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.topology.base.arrays import FloatArray
+from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.values import ByValue
+
+# (n,) and (m, n) numbers, in a file a list and a list of lists
+Samples = np.ndarray[tuple[int], np.dtype[np.float64]]
+Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+_LIST = Meta(extra_json_schema={"items": {"type": "number"}})
+_LISTS = Meta(extra_json_schema={"items": {"type": "array", "items": {"type": "number"}}})
 
 
-@runtime_checkable
-class Motion(Protocol):
-    """A joint trajectory: times (t,) in [s], positions (t, n) in [rad], velocities (t, n) in [rad/s]."""
+@dataclass(frozen=True, eq=False)
+class Trajectory(ByValue):
+    """Joint positions over time: times (t,) [s] from 0, positions (t, n) [rad] or [m], velocities (t, n)."""
 
-    @property
-    def times(self) -> FloatArray:
-        """(t,) in [s], starting at zero."""
-        ...
+    times: Annotated[Samples, _LIST]
+    positions: Annotated[Rows, _LISTS]
+    velocities: Annotated[Rows, _LISTS]
 
-    @property
-    def positions(self) -> FloatArray:
-        """(t, n) in [rad]."""
-        ...
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            object.__setattr__(self, each.name, frozen(getattr(self, each.name)))
 
-    @property
-    def velocities(self) -> FloatArray:
-        """(t, n) in [rad/s]."""
-        ...
+    def __iter__(self) -> Iterator[FloatArray]:
+        return iter((self.times, self.positions, self.velocities))
 
 
 @runtime_checkable
@@ -74,7 +81,7 @@ class Driver(Protocol):
         """Whether the jaw stalls on something before it is closed, or the cup's vacuum stands."""
         ...
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         """Follow a joint trajectory to its end.
 
         Args:
@@ -87,7 +94,7 @@ class Driver(Protocol):
         """
         ...
 
-    def follow_until(self, trajectory: Motion, force: float) -> float:
+    def follow_until(self, trajectory: Trajectory, force: float) -> float:
         """Follow a joint trajectory, and stop where something holds the hand up: a guarded motion.
 
         Args:
@@ -129,7 +136,7 @@ class Driver(Protocol):
 class Interruptible(Protocol):
     """What a driver offers besides whose motions can be stopped by what others see."""
 
-    def follow_while(self, trajectory: Motion, going: Callable[[], bool]) -> float:
+    def follow_while(self, trajectory: Trajectory, going: Callable[[], bool]) -> float:
         """Follow a joint trajectory, as far beside it as the arm is, for as long as `going` says True.
 
         Args:

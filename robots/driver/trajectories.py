@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.robots.driver import Motion
+from topple.robots.driver import Trajectory
 from topple.robots.driver.control import Control
 from topple.robots.tolerances import TOLERANCES
 from topple.topology.base.arrays import FloatArray
@@ -106,16 +106,16 @@ class TrajectoryDriver:
         sealed = None if self.hand is None else self.hand.sealed
         return self.opening - self.tool_state.opening > TOLERANCES.empty_jaw if sealed is None else sealed
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         """Follow a joint trajectory to its end; see `Driver`."""
         return self._follow(trajectory, np.inf, keep_offset)
 
-    def follow_until(self, trajectory: Motion, force: float) -> float:
+    def follow_until(self, trajectory: Trajectory, force: float) -> float:
         """Follow a joint trajectory, and stop where something holds the hand up; see `Driver`."""
         self.controller.tare()
         return self._follow(trajectory, force)
 
-    def _follow(self, trajectory: Motion, force: float, keep_offset: bool = False) -> float:
+    def _follow(self, trajectory: Trajectory, force: float, keep_offset: bool = False) -> float:
         times, controller = trajectory.times, self.controller
         short = self.q_target - trajectory.positions[0]
         left = np.ones_like(times) if keep_offset else 1.0 - times / times[-1]

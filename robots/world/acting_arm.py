@@ -8,7 +8,7 @@ import numpy as np
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.gripper import FINGERS, ToolState
-from topple.robots.driver import Motion
+from topple.robots.driver import Trajectory
 from topple.robots.driver.control import Control
 from topple.robots.poses import inverse
 from topple.robots.tolerances import TOLERANCES
@@ -171,7 +171,7 @@ class ActingArm(ABC):
         """Holds still for a time in [s]."""
         self.step(max(1, round(seconds / self.world.time_step)))
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         """Follow a joint trajectory and wait until its end is reached.
 
         An arm that is not where the trajectory starts does not jump there: it joins on the way. One that is
@@ -187,7 +187,7 @@ class ActingArm(ABC):
         """
         return self._follow(trajectory, keep_offset=keep_offset)
 
-    def follow_until(self, trajectory: Motion, force: float) -> float:
+    def follow_until(self, trajectory: Trajectory, force: float) -> float:
         """Follow a joint trajectory, and stop where something holds the hand up: a guarded motion.
 
         The arm holds still for a moment before, to tare the wrist.
@@ -202,7 +202,7 @@ class ActingArm(ABC):
         self.tare()
         return self._follow(trajectory, lambda: self.wrist.force() > force)
 
-    def follow_while(self, trajectory: Motion, going: Callable[[], bool]) -> float:
+    def follow_while(self, trajectory: Trajectory, going: Callable[[], bool]) -> float:
         """Follow a joint trajectory beside which the arm stays, and stop where something says so.
 
         Args:
@@ -223,7 +223,7 @@ class ActingArm(ABC):
         self.wrist.tare(readings)
 
     def _follow(
-        self, trajectory: Motion, stop: Callable[[], bool] = lambda: False, keep_offset: bool = False
+        self, trajectory: Trajectory, stop: Callable[[], bool] = lambda: False, keep_offset: bool = False
     ) -> float:
         times, steps = trajectory.times, int(np.ceil(trajectory.times[-1] / self.world.time_step))
         short = self.q_target - trajectory.positions[0]

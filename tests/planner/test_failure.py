@@ -4,8 +4,8 @@ import pytest
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import STEPS, FailureLog, TransferFailure
 from topple.planner.planning.plan import plan
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import TransferRequest, plan_transfer
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.base.errors import InvalidInput

@@ -6,9 +6,9 @@ from topple.planner.motion.planner import Motion
 from topple.planner.motion.shortcut import densely
 from topple.planner.motion.upright import Upright, plan_upright
 from topple.planner.planning.plan import plan
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.limits import TRANSFER_LIMITS
 from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.fruit import plum
@@ -37,8 +37,8 @@ def tilts(transfer: Transfer) -> FloatArray:
     found: list[FloatArray] = []
     hold = np.linalg.inv(transfer.grasp.pose_tool_to_world)[:3, :3]
     for segment in transfer.segments:
-        if segment.holding is not None and segment.trajectory is not None:
-            turned = ARM.tool_pose(segment.trajectory.positions, transfer.grasp.tool)[:, :3, :3] @ hold @ UP
+        if segment.holding is not None and segment.motion is not None:
+            turned = ARM.tool_pose(segment.motion.positions, transfer.grasp.tool)[:, :3, :3] @ hold @ UP
             found.append(np.arccos(np.clip(turned @ UP, -1.0, 1.0)))
     return np.concatenate(found)
 
@@ -51,7 +51,7 @@ def test_what_is_marked_stays_within_the_tilt_all_along() -> None:
     assert isinstance(found, Transfer), str(found)
     assert found.upright
     assert tilts(found).max() <= TRANSFER_LIMITS.tilt
-    assert all(s.certificate is not None and s.certificate.proven for s in found.segments if s.trajectory)
+    assert all(s.certified for s in found.segments if s.motion)
 
 
 def test_around_a_wall_the_tilt_holds_and_nothing_touches() -> None:

@@ -9,14 +9,13 @@ from on_table import table
 from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
 from topple.planner.execution.look import Look
 from topple.planner.execution.loop import ClosedLoop
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import shapes
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import robot
-from topple.robots.driver import Driver, Motion
+from topple.robots.driver import Driver, Trajectory
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.scene import Scene
@@ -64,11 +63,11 @@ class Ghost:
             name, tool, points = self.hung
             self.clouds[name] = moved(points, self._tool(tool))
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         self._go(trajectory.positions[-1])
         return 0.0
 
-    def follow_until(self, trajectory: Motion, force: float) -> float:
+    def follow_until(self, trajectory: Trajectory, force: float) -> float:
         assert force > 0.0
         for q in trajectory.positions:
             self._go(q)
@@ -274,7 +273,7 @@ class Jostled(Ghost):
     pushes: int = 1
     joined: int = 0
 
-    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+    def follow(self, trajectory: Trajectory, *, keep_offset: bool = False) -> float:
         if self.pushes and np.ptp(trajectory.positions, axis=0).max() > 0.1:
             self.pushes -= 1
             self._go(trajectory.positions[len(trajectory.positions) // 2] + 0.05)

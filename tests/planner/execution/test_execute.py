@@ -6,9 +6,9 @@ from on_table import table
 from topple.planner.execution.execute import execute
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.robots import shapes
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
@@ -68,7 +68,7 @@ def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
 
 def _start(transfer: Transfer, number: int) -> FloatArray:
     """(n,) joint values with which one of its motions starts."""
-    trajectory = transfer.segments[number].trajectory
+    trajectory = transfer.segments[number].motion
     assert trajectory is not None
     return trajectory.positions[0]
 

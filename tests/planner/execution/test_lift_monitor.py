@@ -8,10 +8,10 @@ from topple.planner.execution.lift_monitor import ChangeDetector, LiftMonitor, n
 from topple.planner.execution.look import Observer
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.planning.order import order
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.robots import robot as robot_named
 from topple.robots import shapes
+from topple.robots.arm.arm import Station
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm

@@ -11,8 +11,8 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Context, NextStep
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import box

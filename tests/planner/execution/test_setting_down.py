@@ -11,10 +11,9 @@ from on_table import table
 from topple.planner.execution.execute import execute
 from topple.planner.execution.tolerances import TOUCHDOWN
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.robots import shapes
-from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm import Arm, Station
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.scenarios.scenario import pose_at

@@ -19,9 +19,9 @@ from topple.planner.grasp.shape import coming_unseen, shapes_of
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.planner.planning.plan_format import plan_from_json, plan_to_json
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling
 from topple.planner.verify import verify
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box

@@ -16,7 +16,7 @@ from topple.planner.fallbacks import Fallback
 from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Context, NextStep
-from topple.planner.transfer.checks import Station
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box

@@ -146,8 +146,9 @@ def test_every_motion_is_proven_and_says_what_may_touch(found: Plan) -> None:
         (
             ("steps", 0, "segments", 0, "motion", "positions", 0),
             [0.0],
-            r"segments\[0\].motion.positions\[0\]",
+            r"rows of one length - at `\$.steps\[0\].segments\[0\].motion.positions`",
         ),
+        (("steps", 0, "segments", 0, "motion", "times"), "soon", r"segments\[0\].motion.times"),
         (("format",), "topple.order", r"\$.format"),
         (
             ("pose_base_to_world",),
@@ -286,6 +287,7 @@ def test_another_urdf_than_the_plans_is_refused_in_one_line(
 def test_a_motion_is_given_as_arrays_by_number_and_by_name(found: Plan) -> None:
     times, positions, velocities = found.trajectory(0, "approach")
     assert times.shape == (len(times),) and times[0] == 0.0 and (np.diff(times) > 0).all()
+    assert not any(each.flags.writeable for each in (times, positions, velocities))
     assert positions.shape == velocities.shape == (len(times), len(found.joints))
     motion = found.steps[0].segments[1].motion
     assert motion is not None and np.array_equal(positions, motion.positions)

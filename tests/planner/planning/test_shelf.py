@@ -9,10 +9,10 @@ from topple.planner.grasp.grasp import PINCH, Grasp
 from topple.planner.planning.plan import plan
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import TransferFailure, TransferRequest, plan_transfer
 from topple.planner.verify import verify
 from topple.robots import scenario
+from topple.robots.arm.arm import Station
 from topple.robots.arm.gripper import FINGERS
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import Scenario
@@ -73,7 +73,7 @@ def test_what_belongs_in_another_column_slides_in_level(scene: Scene, stage: Sce
     found = plan(scene, wanted, stage.robot, base=stage.pose_base_to_world)
     assert verify(found, scene).ok
     segments = found.steps[-1].segments
-    (way,) = (segment.trajectory for segment in segments if segment.kind == "place")
+    (way,) = (segment.motion for segment in segments if segment.kind == "place")
     assert way is not None
     tool = robot(stage.robot).tool_pose(np.array(way.positions), FINGERS)[:, :3, 3]
     along = tool[-1] - tool[0]

@@ -72,7 +72,7 @@ def test_a_hold_is_planned_whole_and_each_motion_keeps_clear_of_the_other_arm() 
             links = {name: parts for name, parts in other.items() if "finger" not in name}
             checker = Checker(arm, bases[second], links)
             for segment in transfer.segments:
-                if segment.trajectory is not None:
-                    assert segment.certificate is not None and segment.certificate.proven
-                    assert checker.free(segment.trajectory.positions).all()
+                if segment.motion is not None:
+                    assert segment.certified
+                    assert checker.free(segment.motion.positions).all()
             stand[second] = transfer.q_end if transfer is step.grip else np.asarray(arm.home)

@@ -21,8 +21,8 @@ from topple.planner.planning.step import Context, NextStep, Orderer
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act
 from topple.planner.rearranging.task import ArrangementTask, DescribedTask, LearnedPrecedences
-from topple.planner.transfer.checks import Station
 from topple.robots import scenario
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, box, plate

@@ -11,9 +11,9 @@ from topple.planner.failure import FailureLog
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling, Reached
-from topple.robots.arm.arm import Arm
+from topple.planner.transfer.segments import SegmentKind
+from topple.robots.arm.arm import Arm, Station
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.topology.base.arrays import FloatArray
@@ -129,7 +129,7 @@ def test_of_each_hand_at_most_two_free_states_are_kept() -> None:
     assert {id(state.grasp) for state in found} == {id(hand) for hand, _ in hands}
     assert len(hands) <= len(found) <= 2 * len(hands)
     for state in found:
-        assert made.approaching(state.grasp, False).free(state.q[None]).all()
+        assert made.checker(SegmentKind.APPROACH, state.grasp).free(state.q[None]).all()
         assert np.abs(tools(PANDA, state.q[None])[0] - state.grasp.pose_tool_to_world).max() < 1e-4
 
 
@@ -196,7 +196,7 @@ def test_an_end_comes_down_onto_its_place_and_draws_back_from_it() -> None:
     assert np.abs(lower[-1] - wanted).max() < 1e-3
     assert lower[0, :3, 3] - wanted[:3, 3] == pytest.approx([0.0, 0.0, LENGTH], abs=1e-3)
     assert retreat[-1, :3, 3] - wanted[:3, 3] == pytest.approx([0.0, 0.0, LENGTH], abs=1e-3)
-    assert made.carrying(state.grasp, 0.0).free(densely(end.lower, 0.02)).all()
+    assert made.checker(SegmentKind.TRANSFER, state.grasp).free(densely(end.lower, 0.02)).all()
 
 
 def test_the_ends_of_the_first_places_come_first() -> None:

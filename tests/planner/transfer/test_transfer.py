@@ -5,11 +5,11 @@ import pytest
 from on_table import BASE, on_table
 
 from topple.planner.placement.base import NoBase, choose_base
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.handling import Handling
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.segments import SegmentKind, no_faster_than
 from topple.planner.transfer.transfer import Transfer, TransferFailure, TransferRequest, plan_transfer
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.base.errors import UnknownObject
@@ -37,9 +37,9 @@ def test_segments_come_in_order_and_join(transfer: Transfer) -> None:
     assert [segment.kind for segment in transfer.segments] == list(SegmentKind)
     q = np.array(ARM.home)
     for segment in transfer.segments:
-        if segment.trajectory is not None:
-            assert np.abs(segment.trajectory.positions[0] - q).max() < 1e-6
-            q = segment.trajectory.positions[-1]
+        if segment.motion is not None:
+            assert np.abs(segment.motion.positions[0] - q).max() < 1e-6
+            q = segment.motion.positions[-1]
     assert np.allclose(q, transfer.q_end)
 
 
@@ -53,14 +53,14 @@ def test_a_tool_that_failed_twice_gives_way_to_the_other() -> None:
 
 
 def test_the_hand_is_at_the_grasp_when_it_closes(transfer: Transfer) -> None:
-    approach = transfer.segments[1].trajectory
+    approach = transfer.segments[1].motion
     assert approach is not None
     reached = BASE @ ARM.tool_pose(approach.positions[-1], transfer.grasp.tool)[0]
     assert np.allclose(reached[:3, 3], transfer.grasp.pose_tool_to_world[:3, 3], atol=1e-3)
 
 
 def test_the_lift_goes_straight_up_and_slowly(transfer: Transfer) -> None:
-    lift = transfer.segments[3].trajectory
+    lift = transfer.segments[3].motion
     assert lift is not None
     way = ARM.tool_pose(lift.positions, transfer.grasp.tool)[:, :3, 3]
     assert way[-1, 2] - way[0, 2] == pytest.approx(0.10, abs=2e-3)
@@ -74,7 +74,7 @@ def test_the_object_is_held_from_the_grasp_to_the_place(transfer: Transfer) -> N
 
 
 def test_the_tool_ends_where_the_placement_takes_it(transfer: Transfer) -> None:
-    place = transfer.segments[5].trajectory
+    place = transfer.segments[5].motion
     assert place is not None
     reached = BASE @ ARM.tool_pose(place.positions[-1], transfer.grasp.tool)[0]
     wanted = transfer.placement.pose_before_to_after @ transfer.grasp.pose_tool_to_world
@@ -83,9 +83,9 @@ def test_the_tool_ends_where_the_placement_takes_it(transfer: Transfer) -> None:
 
 def test_carried_motions_stay_off_everything(transfer: Transfer) -> None:
     handling = Handling("can", Situation(scene()), HOME)
-    carry = transfer.segments[4].trajectory
+    carry = transfer.segments[4].motion
     assert carry is not None
-    assert handling.carrying(transfer.grasp, 0.0).free(carry.positions[::5]).all()
+    assert handling.checker(SegmentKind.TRANSFER, transfer.grasp).free(carry.positions[::5]).all()
 
 
 def test_the_predicted_scene_has_the_object_on_the_table(transfer: Transfer) -> None:
@@ -119,7 +119,7 @@ def test_an_unknown_object_is_named() -> None:
 
 
 def test_stretching_keeps_the_path(transfer: Transfer) -> None:
-    motion = transfer.segments[4].trajectory
+    motion = transfer.segments[4].motion
     assert motion is not None
     slow = no_faster_than(motion, 10.0, 1.0)
     assert slow.times[-1] == pytest.approx(max(10.0, float(motion.times[-1])))

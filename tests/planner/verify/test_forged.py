@@ -18,9 +18,9 @@ from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.step import Context, NextStep
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer, TransferRequest, plan_transfer
 from topple.planner.verify import Verification, verify
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.base.errors import InvalidInput

@@ -21,9 +21,9 @@ from topple.planner.execution.loop import ClosedLoop
 from topple.planner.execution.second_look import second_look
 from topple.planner.motion.trajectory import retime
 from topple.planner.planning.order import cautious
-from topple.planner.transfer.checks import Station
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import robot, scenario, shapes
+from topple.robots.arm.arm import Station
 from topple.robots.driver import Driver
 from topple.robots.driver.trajectories import TrajectoryDriver
 from topple.robots.scenarios.scenario import pose_at
