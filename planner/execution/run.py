@@ -11,7 +11,7 @@ from topple.planner.execution.rehearsal import Rehearsal, Z
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
 from topple.robots.arm.arm import Arm

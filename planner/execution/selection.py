@@ -65,23 +65,21 @@ class StepSelector:
         """What is still missing for the goal, in words."""
         return self._chooser(look, goal).unmet()
 
-    def first(self, look: Look, goal: Goal) -> NextStep | None:
-        """The first step, from an arm that stands clear; None where nothing is left to do.
+    def check_start(self, look: Look, goal: Goal) -> None:
+        """See that the arm stands clear, where there is something to do.
 
         Raises:
-            NoSafePlan: There is none, or the arm stands in something.
+            NoSafePlan: It stands in something.
         """
         robot = self._arms.first
         checker = Checker(
             robot.arm, robot.pose_base_to_world, look.situation.solids, tool_state=robot.tool_state
         )
         deep = [contact for contact in checker.contacts(robot.q_target) if contact.distance < -STUCK]
-        chooser = self._chooser(look, goal)
-        if deep and chooser.unmet():
+        if deep and self.unmet(look, goal):
             where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
             words = f"the arm starts in collision: {where}"
             raise NoSafePlan(words, (words,))
-        return chooser.choose()
 
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.

@@ -5,13 +5,13 @@ should be by then, and of the scene as it is seen.
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import takewhile
 
 import numpy as np
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
+from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds, parse_goal
 from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import TransferFailure
@@ -21,11 +21,13 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
 from topple.planner.planning.holding import HoldPlanner
-from topple.planner.planning.step import Context, NextStep
+from topple.planner.planning.step import Chooser, Context, NextStep, Task
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.transfer import Transfer
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
 Option = tuple[Fallback | None, Callable[[], NextStep | None]]
@@ -297,6 +299,30 @@ class StepChooser:
         left = (place for place in self.goal.places if (place.object, Action.PLACE) not in self.context.done)
         named = {other for place in left for other in (place.object, place.where)}
         return frozenset(named.union(self._needed, self._not_free()) - {name})
+
+
+@dataclass(frozen=True)
+class GoalTask:
+    """A task in words, or as names of what is to be freed: see `topple.planner.decide.goal.parse_goal`."""
+
+    words: str | Collection[str]
+
+    @staticmethod
+    def of(goal: str | Collection[str] | Task) -> Task:
+        """What somebody wants, as a task."""
+        return goal if isinstance(goal, Task) else GoalTask(goal)
+
+    def in_frame(self, _pose: FloatArray, _up: FloatArray, /) -> Task:
+        """The same: words hold in any frame."""
+        return self
+
+    def goal(self, scene: Scene) -> Goal:
+        """The goal, read for a scene."""
+        return parse_goal(self.words, scene)
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        """What chooses the steps."""
+        return StepChooser(situation, goal, context)
 
 
 def _first(options: Iterable[Option]) -> NextStep | None:

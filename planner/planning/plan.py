@@ -14,7 +14,7 @@ from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
 from topple.planner.planning.builder import PlanBuilder, Progress, check_relations
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import check_clamped, check_known, check_masks, ordered
 from topple.planner.planning.plan_format import Plan
 from topple.planner.planning.start import check_start

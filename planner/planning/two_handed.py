@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.follow import follow
 from topple.planner.planning.holding import SECOND, check_second, standing_by
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.planning.tolerances import MOST_STEPS
@@ -77,20 +78,24 @@ def plan_two_handed(
     first, second = (Station(arm, pose, np.asarray(arm.home)) for pose in poses)
     for station in (first, second):
         check_start(situation, arm, station.pose_base_to_world, station.q)
-    done: list[tuple[str, str]] = []
     steps: list[NextStep] = []
+
+    def choose() -> NextStep | None:
+        done = [(step.transfer.object, step.action) for step in steps]
+        context = Context(
+            first, done, allow_drop=allow_drop, seed=seed,
+            second=second, obstacles=standing_by(SECOND, second), sandbox=sandbox,
+        )  # fmt: skip
+        return task.chooser(situation, wanted, context).choose()
+
+    def do(chosen: NextStep) -> None:
+        nonlocal situation
+        for step in (replace(chosen, then=()), *chosen.then):
+            steps.append(step)
+            situation = after(situation, step.transfer)
+
     with Sandbox() as sandbox:
-        for _ in range(MOST_STEPS * len(situation.movable)):
-            context = Context(
-                first, done, allow_drop=allow_drop, seed=seed,
-                second=second, obstacles=standing_by(SECOND, second), sandbox=sandbox,
-            )  # fmt: skip
-            chosen = task.chooser(situation, wanted, context).choose()
-            if chosen is None:
-                return tuple(steps)
-            for step in (replace(chosen, then=()), *chosen.then):
-                steps.append(step)
-                done.append((step.transfer.object, step.action))
-                situation = after(situation, step.transfer)
+        if follow(choose, do, MOST_STEPS * len(situation.movable)):
+            return tuple(steps)
     words = f"no end after {len(steps)} steps"
     raise NoSafePlan(words, (words,))

@@ -14,8 +14,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
-from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.next_step import GoalTask, StepChooser
 from topple.planner.planning.order import check_known
 from topple.planner.planning.plan import plan, plan_all
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
