@@ -21,6 +21,7 @@ from topple.planner.execution.second_look import HandCamera, doubtful, second_lo
 from topple.planner.execution.selection import RunLimits, StepSelector
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.two_arms import TwoArms
+from topple.planner.fallbacks import RELAXATIONS, selected
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
@@ -73,6 +74,7 @@ class ClosedLoop:
         second: An arm beside it that holds what would not stand; the orderer is told of two hands then.
         fixture: What keeps things where they stand, and lets go of one once the hand holds it.
         away: Where things go that are taken; to free places on what is seen where None.
+        relaxations: What may be tried where the plain way fails, as for `topple.planner.plan`.
         hand_on: Called with the name of what `away` leaves in the hand: your own skill then empties it.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
@@ -99,13 +101,15 @@ class ClosedLoop:
     second: Driver | None = None
     fixture: Fixture | None = None
     away: Receiver | None = None
+    relaxations: Collection[str] = RELAXATIONS
     hand_on: Callable[[str], None] | None = None
 
     def __post_init__(self) -> None:
         task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed, self.fixture)
         asked = Context(
-            self._arms.stations[0], orderer=self.orderer, grasps=self.grasps, seed=self.seed, away=self.away
-        )
+            self._arms.stations[0], relaxations=selected(self.relaxations), orderer=self.orderer,
+            grasps=self.grasps, seed=self.seed, away=self.away,
+        )  # fmt: skip
         self._selector = StepSelector(task, self._arms, asked, self.limits.attempts)
         self.followed: list[NextStep] = []
         self._started = 0.0

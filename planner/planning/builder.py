@@ -17,7 +17,7 @@ from topple.planner.formats.plan_robot import arm_data
 from topple.planner.formats.plan_structs import DependencyData, ObjectData, Step
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Away, Destination
-from topple.planner.planning.follow import follow
+from topple.planner.planning.follow import follow, next_step
 from topple.planner.planning.order import ordered
 from topple.planner.planning.plan_data import (
     DIGITS,
@@ -89,11 +89,11 @@ class PlanBuilder:
         """The next step, by what the order of the last one leaves where that leads on."""
         context = self._context()
         try:
-            return task.chooser(self.situation, self.goal, context).choose()
+            return next_step(task, self.situation, self.goal, context)
         except NoSafePlan:
             if context.known is None:
                 raise
-        return task.chooser(self.situation, self.goal, replace(context, known=None)).choose()
+        return next_step(task, self.situation, self.goal, replace(context, known=None))
 
     def _go_on(self, asked: Callable[[Scene], Relations] | None, chosen: NextStep) -> None:
         """Add a step, with what its order leaves and the relations where it leads."""

@@ -94,7 +94,7 @@ class StepChooser:
             (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
             (Fallback.LOOK_LONGER, lambda: self._in_turn(chosen, targets, action, why, [], longer=True)),
         ]
-        if (step := _first(options)) is not None:
+        if (step := self._first(options)) is not None:
             return step
         explained = tuple(self.transfers.explained(failure) for failure in failures)
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
@@ -131,6 +131,8 @@ class StepChooser:
                 unseen = unseen or step
             else:
                 failures.append(found)
+                if Fallback.ANOTHER_FIRST not in self.context.relaxations:
+                    return unseen
         if unseen is not None:
             return unseen
         holds = [hold for hold in chosen.holds if may_begin(hold, chosen)]
@@ -228,9 +230,16 @@ class StepChooser:
                 (Fallback.LOOK_LONGER, lambda: into(self.spots(place, MORE_CHOICE)[1], MORE_HANDS)),
                 (Fallback.EMPTY, empty),
             ]
-        if (step := _first(options)) is not None:
+        if (step := self._first(options)) is not None:
             return step
         raise stuck[0] if stuck else NoSafePlan(str(failed[-1]), (str(failed[-1]),), (failed[-1],))
+
+    def _first(self, options: Iterable[Option]) -> NextStep | None:
+        """What the first rung that may be tried gives, of those that give anything, with its name."""
+        for name, attempt in options:
+            if (name is None or name in self.context.relaxations) and (step := attempt()) is not None:
+                return step if name is None else replace(step, fallbacks=(name, *step.fallbacks))
+        return None
 
     def spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
@@ -323,14 +332,6 @@ class GoalTask:
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
         """What chooses the steps."""
         return StepChooser(situation, goal, context)
-
-
-def _first(options: Iterable[Option]) -> NextStep | None:
-    """What the first rung gives that gives anything, with the rung's name."""
-    for name, attempt in options:
-        if (step := attempt()) is not None:
-            return step if name is None else replace(step, fallbacks=(name, *step.fallbacks))
-    return None
 
 
 def no_room(place: Place) -> TransferFailure:

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.planning.follow import follow
+from topple.planner.fallbacks import RELAXATIONS, selected
+from topple.planner.planning.follow import follow, next_step
 from topple.planner.planning.holding import SECOND, check_second, standing_by
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.start import check_start
@@ -34,6 +35,7 @@ def plan_two_handed(
     base: FloatArray,
     second_base: FloatArray,
     allow_drop: bool = False,
+    relaxations: Collection[str] = RELAXATIONS,
     seed: int = 0,
 ) -> tuple[NextStep, ...]:
     """Plan everything that reaches a goal with two arms of a kind.
@@ -50,6 +52,7 @@ def plan_two_handed(
         base: (4, 4) pose_base_to_world of the first.
         second_base: (4, 4) likewise of the second.
         allow_drop: As for `topple.planner.plan`.
+        relaxations: Likewise.
         seed: Of every search.
 
     Returns:
@@ -70,6 +73,7 @@ def plan_two_handed(
     """
     scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
     check_second(arm)
+    allowed = selected(relaxations)
     task = GoalTask.of(goal)
     wanted = task.goal(scene)
     check_up(scene)
@@ -83,10 +87,10 @@ def plan_two_handed(
     def choose() -> NextStep | None:
         done = [(step.transfer.object, step.action) for step in steps]
         context = Context(
-            first, done, allow_drop=allow_drop, seed=seed,
+            first, done, allow_drop=allow_drop, relaxations=allowed, seed=seed,
             second=second, obstacles=standing_by(SECOND, second), sandbox=sandbox,
         )  # fmt: skip
-        return task.chooser(situation, wanted, context).choose()
+        return next_step(task, situation, wanted, context)
 
     def do(chosen: NextStep) -> None:
         nonlocal situation

@@ -10,8 +10,9 @@ from on_table import BASE, on_table
 
 from topple.benchmarks.sabotages.caught import ROUGH
 from topple.planner.decide.arrange import Order
+from topple.planner.errors import NoSafePlan
 from topple.planner.failure import FailureLog
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import RELAXATIONS, Fallback
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.rank import rank_grasps
@@ -103,6 +104,9 @@ def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not() -> None:
     assert plan_from_json(document) == hidden
     assert [step.unseen for step in open_.steps] == [False]
     assert not any("no camera saw" in words for words in open_.assumptions)
+    kept = [name for name in RELAXATIONS if name != "unseen"]
+    with pytest.raises(NoSafePlan, match="not tried, as the relaxations leave it out: unseen"):
+        plan(shaded(LOW, wall=True), ["block"], "panda", base=BASE, grasps=[pinch()], relaxations=kept)
 
 
 def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one() -> None:

@@ -183,6 +183,8 @@ def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
     assert step.all_fallbacks[0] is Fallback.MAKE_ROOM
     assert step.reason.startswith("it is in the way to red (cannot move red")
     with pytest.raises(NoSafePlan, match="cannot move red"):
+        chooser(scene, "free red", relaxations=("look longer",)).choose()
+    with pytest.raises(NoSafePlan, match="cannot move red"):
         chooser(scene, "free red", done=[("left", Action.REMOVE), ("right", Action.REMOVE)]).choose()
 
 
