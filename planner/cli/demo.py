@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, SIMULATION, add
+from topple.planner.cli.arguments import COMMON, OPTIONS, SIMULATION, add, switch, value
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import orderer_of, rule_of
@@ -21,17 +21,13 @@ _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
-    parser.add_argument("--list", action="store_true", help="say which scenes there are, and leave")
+    parser.add_argument("--list", **switch("say which scenes there are, and leave"))
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
-    made_for = (
-        "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships (the one the scene is made for)"
-    )
-    add(parser, "--robot", help=made_for)
-    parser.add_argument(
-        "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
-    )
+    add(parser, "--robot", help=f"{OPTIONS['--robot']['help']} (the one the scene is made for)")
+    where = f"where everything is written ({_FOLDER})"
+    parser.add_argument("-o", "--output", **value("FOLDER", where, default=_FOLDER))
 
 
 def execute(args: argparse.Namespace) -> int:

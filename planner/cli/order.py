@@ -7,7 +7,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_jobs, add_kept, add_scenes, count
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, count, switch, value
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
@@ -31,47 +31,24 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    add_jobs(parser)
-    add_kept(parser)
-    add_scenes(parser, "SCENE...")
+    add_many(parser)
     add(parser, "--target", "--max-objects", "--rule", "--orderer", "--masks-as-they-are", *COMMON)
-    parser.add_argument(
-        "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
-    )
+    verify = "check the dependencies in simulation: take every object away"
+    parser.add_argument("--verify", **switch(verify))
     add(parser, "--budget", help="wall-clock seconds that an order with --verify may take, or it fails")
-    add(
-        parser,
-        "--robot",
-        help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6, FILE.urdf or a shipped one",
-    )
+    robot = "say what bars the gripper's way: panda, panda-suction, iiwa, xarm6, FILE.urdf or a shipped one"
+    add(parser, "--robot", help=robot)
     add(parser, *SEEN_ROBOT)
-    parser.add_argument(
-        "--hands",
-        type=count,
-        metavar="N",
-        help="number of hands: where objects hold each other, 1 has no safe order, and 2 or more may",
-    )
+    hands = "number of hands: where objects hold each other, 1 has no safe order, and 2 or more may"
+    parser.add_argument("--hands", **value("N", hands, count))
     add(parser, "--clamped")
-    parser.add_argument(
-        "--next-view",
-        action="store_true",
-        help="say from where a camera would see most of what is hidden and decides the order",
-    )
-    parser.add_argument(
-        "--explain",
-        action="store_true",
-        help="print every step, and everything that carries something",
-    )
-    parser.add_argument(
-        "--build",
-        action="store_true",
-        help="say in which order to put the objects of this finished arrangement down, and what to hold",
-    )
-    add(
-        parser,
-        "--to",
-        help="say in which order to move objects until they lie as another scene, relations or words say",
-    )
+    view = "say from where a camera would see most of what is hidden and decides the order"
+    parser.add_argument("--next-view", **switch(view))
+    parser.add_argument("--explain", **switch("print every step, and everything that carries something"))
+    build = "say in which order to put the objects of this finished arrangement down, and what to hold"
+    parser.add_argument("--build", **switch(build))
+    to = "say in which order to move objects until they lie as another scene, relations or words say"
+    add(parser, "--to", help=to)
     add(parser, "--match")
 
 

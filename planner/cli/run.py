@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task
+from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task, switch, value
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
@@ -20,13 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--second-base", "--away", "--bin", "--clamped", "--rule", "--masks-as-they-are")
     add(parser, *SIMULATION, *COMMON)
-    parser.add_argument(
-        "--shuffle-labels",
-        action="store_true",
-        help="keep no names between looks: match what is seen with what is remembered",
-    )
-    parser.add_argument("--lerobot", metavar="DIR", type=Path, help="add it to a dataset of LeRobot v3 there")
-    parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
+    shuffle = "keep no names between looks: match what is seen with what is remembered"
+    parser.add_argument("--shuffle-labels", **switch(shuffle))
+    parser.add_argument("--lerobot", **value("DIR", "add it to a dataset of LeRobot v3 there", Path))
+    parser.add_argument("--report", **value("FILE", "where to write the report, e.g. out.html"))
 
 
 def execute(args: argparse.Namespace) -> int:
