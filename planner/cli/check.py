@@ -8,9 +8,8 @@ from typing import Any
 from topple.planner.cli.arguments import COMMON, add, add_many, switch, value
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
+from topple.planner.cli.many import Kept, for_each_scene, stored
 from topple.planner.cli.options import Reading, scene_paths
-from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
 from topple.topology.base.files import check_writable, write_whole
 
@@ -36,8 +35,7 @@ def execute(args: argparse.Namespace) -> int:
         return _mend(Reading.of(args), paths[0], args.mend, args.json)
     drawn = None if args.report is None else check_writable(args.report)
     work = partial(_document, Reading.of(args), not args.no_margins, args.play, drawn)
-    with kept_in(args, _code) as kept, Progress("check") as progress:
-        return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
+    return for_each_scene(args, work, partial(_show, args.json), _code)
 
 
 def _document(reading: Reading, margins: bool, played: bool, drawn: Path | None, path: str) -> dict[str, Any]:

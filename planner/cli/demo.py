@@ -8,7 +8,7 @@ from typing import Any
 from topple.planner.cli.arguments import COMMON, OPTIONS, SIMULATION, add, switch, value
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
-from topple.planner.cli.options import orderer_of, rule_of
+from topple.planner.cli.options import keywords, orderer_of, rule_of
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import film_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
@@ -41,12 +41,8 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"setting up {args.name}")
         from topple.planner.execution.demo import demo
 
-        video = film_of(args)
-        record = demo(
-            args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
-            wrist_camera=args.wrist_camera, ahead=args.ahead, clamped=args.clamped, engine=args.engine,
-            folder=folder, video=video, orderer=orderer, relate=relating, progress=progress,
-        )  # fmt: skip
+        own = {"folder": folder, "video": film_of(args), "orderer": orderer, "relate": relating}
+        record = demo(**keywords(demo, args, **own, progress=progress))
     run = record.to_json()
     if args.json:
         print_json(run)

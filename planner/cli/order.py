@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, count, switch, value
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
+from topple.planner.cli.many import Kept, for_each_scene, stored
 from topple.planner.cli.options import Reading, finished, orderer_of, rule_of, scene_paths
-from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
     models_in,
@@ -89,8 +88,7 @@ def execute(args: argparse.Namespace) -> int:
     work = partial(_answer, reading, relating, ask)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     code = partial(_code, args.hands is not None or bool(args.clamped))
-    with kept_in(args, code) as kept, Progress("order") as progress:
-        return for_each_scene(args, work, partial(_show, args, kept, code), progress, by_scenes, kept)
+    return for_each_scene(args, work, partial(_show, args, code), code, by_scenes)
 
 
 @dataclass(frozen=True)
@@ -99,10 +97,12 @@ class _Answer:
 
     document: dict[str, Any]
     movable: int
-    certificate: tuple[str, ...] = ()
+    certificate: tuple[str, ...]
 
 
-_Ask = Callable[["Situation"], _Answer]
+_Asked = tuple[dict[str, Any], tuple[str, ...]]
+"""A document, and why there is no safe order."""
+_Ask = Callable[["Situation"], _Asked]
 _Code = Callable[[Mapping[str, Any]], int]
 
 
@@ -113,43 +113,40 @@ def _answer(
     from topple.topology.situation.situation import Situation
 
     scene = reading.scene(path)
-    answer = ask(Situation.of(scene, None if relating is None else relating(scene)))
-    return reading.said(scene, replace(answer, document={**answer.document, **models_in(scene)}))
+    document, certificate = ask(Situation.of(scene, None if relating is None else relating(scene)))
+    answer = _Answer({**document, **models_in(scene)}, len(scene.movable), certificate)
+    return reading.said(scene, answer)
 
 
-def _ordered(
-    target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation"
-) -> _Answer:
+def _ordered(target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation") -> _Asked:
     """The order in which things are taken, and from where to look next."""
     from topple.planner.planning.next_view import with_next_view
     from topple.planner.planning.order import order
 
     found = order(situation, target, **options)
-    document = with_next_view(situation, target, found) if look else found.to_json()
-    return _Answer(document, len(situation.movable), found.certificate)
+    return with_next_view(situation, target, found) if look else found.to_json(), found.certificate
 
 
-def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situation: "Situation") -> _Answer:
+def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situation: "Situation") -> _Asked:
     """The order of another orderer."""
     from topple.planner.planning.step import order_by
 
     found = order_by(orderer, situation.scene, target, situation.known_relations, seed)
-    return _Answer(found.to_json(), len(situation.movable), found.certificate)
+    return found.to_json(), found.certificate
 
 
-def _built(situation: "Situation") -> _Answer:
+def _built(situation: "Situation") -> _Asked:
     """The order in which things are put down."""
     from topple.planner.building.build import build_order
 
-    return _Answer(build_order(situation).to_json(), len(situation.movable))
+    return build_order(situation).to_json(), ()
 
 
-def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Answer:
+def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Asked:
     """The order in which things are moved until they lie as in another scene."""
     from topple.planner.rearranging.rearrange import rearrange
 
-    moves = rearrange(situation, finished(reading, goal), match=match)
-    return _Answer(moves.to_json(), len(situation.movable))
+    return rearrange(situation, finished(reading, goal), match=match).to_json(), ()
 
 
 def _more_hands(document: Mapping[str, Any]) -> list[str]:
@@ -175,7 +172,7 @@ def _print(path: str, answer: _Answer, explain: bool) -> None:
     print_assumptions(answer.document["assumptions"])
 
 
-def _show(args: argparse.Namespace, kept: Kept | None, code: _Code, path: str, answer: _Answer) -> int:
+def _show(args: argparse.Namespace, code: _Code, kept: Kept | None, path: str, answer: _Answer) -> int:
     if not stored(args.json, kept, path, answer.document):
         _print(path, answer, args.explain)
     for words in answer.certificate:

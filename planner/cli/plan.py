@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task, switch, value
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
+from topple.planner.cli.options import goal_of, keywords, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of, away_of, base_of, output_of
 from topple.planner.cli.tables import print_assumptions
@@ -55,12 +55,11 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: planning")
         if (base := base_of(args, scene)) is not None:
             scene = scene.with_base(base)
-        found = plan(
-            scene, goal, arm, upright=args.upright, clamped=args.clamped,
-            away=away, allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
-            budget=args.budget, seed=args.seed,
-            progress=lambda text: progress(args.said(text)),
+        asked = keywords(
+            plan, args, scene=scene, goal=goal, robot=arm, base=None, away=away, orderer=orderer or ordered,
+            relations=relating, progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
+        found = plan(**asked)
         checked = None
         if args.verify:
             progress(f"{path}: verifying {len(found.steps)} steps")

@@ -6,9 +6,8 @@ from typing import Any
 
 from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, switch, value
 from topple.planner.cli.main import DONE
-from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
+from topple.planner.cli.many import Kept, for_each_scene, stored
 from topple.planner.cli.options import Reading, rule_of, scene_paths
-from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions, print_relations
 from topple.planner.tolerances import ALL_PAIRS_UP_TO
 
@@ -35,8 +34,7 @@ def execute(args: argparse.Namespace) -> int:
         "deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects, "rule": args.rule
     }  # fmt: skip
     work = partial(_document, Reading.of(args), options, args.all_pairs)
-    with kept_in(args, lambda answer: DONE) as kept, Progress("relate") as progress:
-        return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
+    return for_each_scene(args, work, partial(_show, args.json))
 
 
 def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: str) -> dict[str, Any]:
