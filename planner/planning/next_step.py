@@ -117,7 +117,7 @@ class StepChooser:
         """
         unseen: NextStep | None = None
         for name in self._alone(chosen):
-            found = self.aside(name, longer)
+            found = self.transfers.aside(name, self._remaining(name), longer=longer)
             if isinstance(found, Transfer):
                 is_target = name in targets
                 reason = (why or "nothing has to go before it") if is_target else why_first(name, chosen)
@@ -175,7 +175,7 @@ class StepChooser:
         for first in self._alone(chosen):
             if first in barred or (first, Action.REMOVE) in self.context.done:
                 continue
-            found = self.aside(first)
+            found = self.transfers.aside(first, self._remaining(first))
             if isinstance(found, Transfer):
                 return NextStep(found, Action.REMOVE, why, chosen)
         return None
@@ -298,10 +298,6 @@ class StepChooser:
                     together = {name: sum({**guessed, **scene.masses}[one] for one in (name, rider))}
                 scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
         return self.situation if scene is self.scene else Situation(scene)
-
-    def aside(self, name: str, longer: bool = False) -> Transfer | TransferFailure:
-        """An object to a free place on a table; `longer` looks at more places and hands."""
-        return self.transfers.aside(name, self._remaining(name), longer=longer)
 
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
