@@ -13,6 +13,7 @@ from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.fallbacks import Fallback
+from topple.planner.planning.follow import follow
 from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Context, NextStep
@@ -46,14 +47,12 @@ APART = blocks(red=(0.0, 0.0, 0.0), green=(0.0, 0.2, 0.0), blue=(0.0, -0.2, 0.0)
 
 
 def chooser(scene: Scene, goal: str, **known: Any) -> StepChooser:
-    return StepChooser(
-        Situation(scene), parse_goal(goal, scene), Context(STATION, **{"observed": True, **known})
-    )
+    context = Context(STATION, **{"observed": True, **known})
+    return StepChooser(Situation(scene), parse_goal(goal, scene), context)
 
 
 def taken(step: NextStep | None) -> tuple[str, str]:
     """What the step takes, and what for."""
-    assert step is not None
     return step.transfer.grasp.object, step.action
 
 
@@ -75,6 +74,13 @@ def test_once_that_is_gone_the_target_is_freed_and_then_nothing_is_left() -> Non
     after = chooser(gone, "free low", done=[("top", Action.REMOVE), ("low", Action.FREE)])
     assert after.unmet() == ()
     assert after.choose() is None
+
+
+def test_steps_are_done_until_nothing_is_left_or_there_would_be_too_many() -> None:
+    step, done = chooser(APART, "free red").choose(), list[NextStep]()
+    left = iter([step, step, step, None])
+    assert not follow(left.__next__, done.append, 1) and done == [step]
+    assert follow(left.__next__, done.append, 1) and done == [step, step]
 
 
 def test_a_target_that_stands_on_another_one_is_freed_and_not_just_removed() -> None:
