@@ -158,9 +158,10 @@ class Reading:
         """
         from topple.topology.io import load_scene
 
-        limits = {"most_bytes": self.most_bytes, "allow_outside": self.allow_outside}
-        given = {"fixed": self.fixed, "up": self.up, "robot": self.robot, **self.options}
-        found = load_scene(path, **limits, **given)
+        found = load_scene(
+            path, fixed=self.fixed, up=self.up, most_bytes=self.most_bytes, robot=self.robot,
+            allow_outside=self.allow_outside, **self.options,
+        )  # fmt: skip
         return found.with_masks_as_they_are() if self.as_they_are else found
 
     def said(self, scene: "Scene", answer: Answer) -> Answer:

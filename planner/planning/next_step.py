@@ -4,8 +4,9 @@ Planning a whole sequence and running one in closed loop ask the same question a
 should be by then, and of the scene as it is seen.
 """
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import takewhile
 
 import numpy as np
@@ -29,9 +30,6 @@ from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
-
-Option = tuple[Fallback | None, Callable[[], NextStep | None]]
-"""A way on, with its name; None for the plain one."""
 
 
 class StepChooser:
@@ -89,12 +87,13 @@ class StepChooser:
         """
         chosen = self._ordered(targets)
         failures: list[TransferFailure] = []
-        options: list[Option] = [
-            (None, lambda: self._in_turn(chosen, targets, action, why, failures)),
-            (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
-            (Fallback.LOOK_LONGER, lambda: self._in_turn(chosen, targets, action, why, [], longer=True)),
-        ]
-        if (step := self._first(options)) is not None:
+        longer = partial(self._in_turn, chosen, targets, action, why, [], longer=True)
+        step = (
+            self._in_turn(chosen, targets, action, why, failures)
+            or self._by(Fallback.MAKE_ROOM, partial(self._make_room, failures))
+            or self._by(Fallback.LOOK_LONGER, longer)
+        )
+        if step is not None:
             return step
         explained = tuple(self.transfers.explained(failure) for failure in failures)
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
@@ -224,22 +223,20 @@ class StepChooser:
                 stuck.append(error)
                 return None
 
-        options: list[Option] = [(None, straight)]
+        def longer() -> NextStep | None:
+            return into(self.spots(place, MORE_CHOICE)[1], MORE_HANDS)
+
+        step = straight()
         if contents:
-            options += [
-                (Fallback.LOOK_LONGER, lambda: into(self.spots(place, MORE_CHOICE)[1], MORE_HANDS)),
-                (Fallback.EMPTY, empty),
-            ]
-        if (step := self._first(options)) is not None:
+            step = step or self._by(Fallback.LOOK_LONGER, longer) or self._by(Fallback.EMPTY, empty)
+        if step is not None:
             return step
         raise stuck[0] if stuck else NoSafePlan(str(failed[-1]), (str(failed[-1]),), (failed[-1],))
 
-    def _first(self, options: Iterable[Option]) -> NextStep | None:
-        """What the first rung that may be tried gives, of those that give anything, with its name."""
-        for name, attempt in options:
-            if (name is None or name in self.context.relaxations) and (step := attempt()) is not None:
-                return step if name is None else replace(step, fallbacks=(name, *step.fallbacks))
-        return None
+    def _by(self, name: Fallback, attempt: Callable[[], NextStep | None]) -> NextStep | None:
+        """What an attempt gives, with the name of the relaxation, where that may be tried."""
+        step = attempt() if name in self.context.relaxations else None
+        return None if step is None else replace(step, fallbacks=(name, *step.fallbacks))
 
     def spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
