@@ -15,7 +15,6 @@ from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import for_each_scene
 from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
-from topple.planner.cli.progress import Progress
 from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -60,8 +59,8 @@ def execute(args: argparse.Namespace) -> int:
     total: list[Score] = []
     how = _How(Reading.of(args), rule_of(args), orderer_of(args), args.seed, args.verify)
     work = partial(_scored, how, dict(zip(paths, given, strict=True)))
-    with Progress("score") as progress:
-        code = for_each_scene(args, work, partial(_show, args.json, total), progress, not args.verify)
+    show = partial(_show, args.json, total)
+    code = for_each_scene(args, work, lambda _, path, found: show(path, found), processes=not args.verify)
     if len(paths) > 1 and total:
         _show_all(args.json, total)
     return code or DONE

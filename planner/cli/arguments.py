@@ -41,182 +41,127 @@ def _above(least: float, number: Callable[[str], float], expected: str) -> Calla
 positive = _above(0.0, float, "a finite number above 0")
 from_zero = _above(math.nextafter(0.0, -1.0), float, "a finite number from 0 on")
 count = _above(0, int, "a whole number from 1 on")
+_seed = _above(-1, int, "a whole number from 0 on")
 
-_LIST: dict[str, Any] = {"nargs": "+", "action": "extend", "metavar": "NAME"}
-_SWITCH: dict[str, Any] = {"action": "store_true"}
 
+def value(metavar: str | None, purpose: str, kind: Callable[[str], Any] = str, **more: Any) -> dict[str, Any]:
+    """An option with a value, as keywords of `add_argument`."""
+    return {"metavar": metavar, "type": kind, "help": purpose, **more}
+
+
+def switch(purpose: str) -> dict[str, Any]:
+    """An option that is given or not, likewise."""
+    return {"action": "store_true", "help": purpose}
+
+
+def names(purpose: str, **more: Any) -> dict[str, Any]:
+    """An option with several names, which may be given several times, likewise."""
+    return {"nargs": "+", "action": "extend", "metavar": "NAME", "help": purpose, **more}
+
+
+def numbers(metavars: str, purpose: str) -> dict[str, Any]:
+    """An option with so many numbers, likewise."""
+    return {"nargs": len(metavars.split()), "type": float, "metavar": (*metavars.split(),), "help": purpose}
+
+
+# fmt: off
 OPTIONS: dict[str, dict[str, Any]] = {
-    "--max-mb": {
-        "type": positive,
-        "metavar": "MB",
-        "help": "what a file of a scene may unpack to (268): more is refused before it is read",
-    },
-    "--allow-outside": {**_SWITCH, "help": "let scene.json name files that are not below its folder"},
-    "--fixed": {**_LIST, "help": "objects that never move"},
-    "--up": {"nargs": 3, "type": float, "metavar": ("X", "Y", "Z"), "help": "direction against gravity"},
-    "--seed": {
-        "type": _above(-1, int, "a whole number from 0 on"),
-        "default": 0,
-        "metavar": "N",
-        "help": "seed of every random draw (0)",
-    },
-    "--json": {**_SWITCH, "help": "JSON on stdout and nothing else"},
+    "--max-mb": value(
+        "MB", "what a file of a scene may unpack to (268): more is refused before it is read", positive),
+    "--allow-outside": switch("let scene.json name files that are not below its folder"),
+    "--fixed": names("objects that never move"),
+    "--up": numbers("X Y Z", "direction against gravity"),
+    "--seed": value("N", "seed of every random draw (0)", _seed, default=0),
+    "--json": switch("JSON on stdout and nothing else"),
     "--version": {"action": ShowVersion, "nargs": 0, "help": "print the version and leave"},
     # what one format of scenes has and the others have not
-    "--view": {"metavar": "NAME", "help": "of a recorded pile: full, view1 or view3 (full)"},
-    "--image": {
-        "type": int,
-        "metavar": "N",
-        "help": "which image of a BOP scene or frame of a recording (its first)",
-    },
-    "--keyframe": {"metavar": "NAME", "help": "name or number of a keyframe of an MJCF scene (initial)"},
-    "--models": {
-        "nargs": "?",
-        "const": True,
-        "metavar": "DIR",
-        "help": "known models, NAME.obj or NAME/mesh.obj: each takes the place of what was seen of the "
-        "object of its name where it fits; without DIR the models of a BOP scene, not its depth",
-    },
-    "--depth": {
-        "metavar": "TOPIC",
-        "help": "topic of a recording's depth images, or clouds with labels (the only one)",
-    },
-    "--masks": {
-        "metavar": "FILE",
-        "help": "masks of an RGB-D frame without any, as SAM gives them: .json of run lengths, .npy, .npz",
-    },
-    "--info": {"metavar": "TOPIC", "help": "topic of its camera's intrinsics (the only one)"},
-    "--labels": {"metavar": "TOPIC", "help": "topic of its masks (the only one)"},
+    "--view": value("NAME", "of a recorded pile: full, view1 or view3 (full)"),
+    "--image": value("N", "which image of a BOP scene or frame of a recording (its first)", int),
+    "--keyframe": value("NAME", "name or number of a keyframe of an MJCF scene (initial)"),
+    "--models": value(
+        "DIR", "known models, NAME.obj or NAME/mesh.obj: each takes the place of what was seen of the object "
+        "of its name where it fits; without DIR the models of a BOP scene, not its depth",
+        nargs="?", const=True),
+    "--depth": value("TOPIC", "topic of a recording's depth images, or clouds with labels (the only one)"),
+    "--masks": value(
+        "FILE", "masks of an RGB-D frame without any, as SAM gives them: .json of run lengths, .npy, .npz"),
+    "--info": value("TOPIC", "topic of its camera's intrinsics (the only one)"),
+    "--labels": value("TOPIC", "topic of its masks (the only one)"),
     # many scenes
-    "--jobs": {"type": count, "metavar": "N", "help": "several scenes: so many processes (one a core)"},
-    "--cluster": {"metavar": "ADDRESS", "help": "several scenes: the workers of a dask scheduler"},
+    "--jobs": value("N", "several scenes: so many processes (one a core)", count),
+    "--cluster": value("ADDRESS", "several scenes: the workers of a dask scheduler"),
     # relations and orders
-    "--rule": {"metavar": "NAME", "help": "what relates: robust, plain or a plugin's (robust)"},
-    "--orderer": {"metavar": "NAME", "help": "what orders: fewest, cautious or a plugin's (fewest)"},
-    "--max-objects": {
-        "type": count,
-        "metavar": "N",
-        "help": "how many objects a scene may have (500): the work grows with the square of it",
-    },
-    "--masks-as-they-are": {
-        **_SWITCH,
-        "help": "answer although the target hangs on a mask that is split, merged, level or twice",
-    },
+    "--rule": value("NAME", "what relates: robust, plain or a plugin's (robust)"),
+    "--orderer": value("NAME", "what orders: fewest, cautious or a plugin's (fewest)"),
+    "--max-objects": value(
+        "N", "how many objects a scene may have (500): the work grows with the square of it", count),
+    "--masks-as-they-are": switch(
+        "answer although the target hangs on a mask that is split, merged, level or twice"),
     # goals
-    "--target": {**_LIST, "help": "what to free, with the fewest removals (everything is cleared)"},
-    "--goal": {
-        "metavar": "TEXT",
-        "help": 'the goal: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
-    },
-    "--to": {
-        "metavar": "GOAL",
-        "help": "the goal arrangement: another scene of them, what `topple relate --json` wrote, or words "
-        "such as cup left of plate",
-    },
-    "--match": {
-        "choices": ("name", "shape"),
-        "default": "name",
-        "help": "by what objects of --to are found: by name, or by shape, whatever they are called (name)",
-    },
+    "--target": names("what to free, with the fewest removals (everything is cleared)"),
+    "--goal": value("TEXT", 'the goal: "lemon within bowl", "red on green on blue", "empty bowl", "sort"'),
+    "--to": value(
+        "GOAL", "the goal arrangement: another scene of them, what `topple relate --json` wrote, or words "
+        "such as cup left of plate"),
+    "--match": value(
+        None, "by what objects of --to are found: by name, or by shape, whatever they are called (name)",
+        choices=("name", "shape"), default="name"),
     # arms
-    "--robot": {
-        "metavar": "NAME",
-        "help": "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships",
-    },
-    "--gripper": {
-        "metavar": "FILE",
-        "help": "with FILE.urdf: its [jaw], [cup], [hand] or [arm], in TOML; the URDF of a hand to mount; or "
-        "wsg50; a parallel jaw of the URDF is recognised",
-    },
-    "--srdf": {
-        "metavar": "FILE",
-        "help": "with FILE.urdf: groups and links that do not collide (the SRDF of the same name beside it)",
-    },
-    "--group": {"metavar": "NAME", "help": "the SRDF's group that is the arm, where it has several"},
-    "--base": {
-        "nargs": 4,
-        "type": float,
-        "metavar": ("X", "Y", "Z", "YAW"),
-        "help": "where the arm stands, in metres and radians about up (the scene's robot_base, or searched)",
-    },
-    "--joints": {
-        "nargs": "+",
-        "type": float,
-        "metavar": "Q",
-        "help": "joint values of the robot in its own picture [rad, m]: what is seen at it is nobody's",
-    },
-    "--second-base": {
-        "nargs": 4,
-        "type": float,
-        "metavar": ("X", "Y", "Z", "YAW"),
-        "help": "where a second such arm stands, which holds what would not stand meanwhile (one arm)",
-    },
-    "--away": {
-        "nargs": "+",
-        "metavar": ("WHERE", "NUMBER"),
-        "help": "where taken objects go: table, lift (15 cm clear of everything, for a skill of your "
-        "own), bin, zone X0 Y0 X1 Y1 (level and free), hand-over X Y Z; metres from the arm's base (table)",
-    },
-    "--bin": {
-        "nargs": 7,
-        "type": float,
-        "metavar": ("X", "Y", "Z", "YAW", "SX", "SY", "SZ"),
-        "help": "where the bin of --away bin stands, and its size (40 x 30 x 20 cm, where there is room)",
-    },
-    "--clamped": {
-        **_LIST,
-        "default": [],
-        "help": "what a fixture, such as a vice, keeps where it stands until the hand holds it",
-    },
-    "--budget": {
-        "type": positive,
-        "metavar": "S",
-        "help": "wall-clock seconds that the answer may take; what takes longer fails",
-    },
+    "--robot": value("NAME", "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships"),
+    "--gripper": value(
+        "FILE", "with FILE.urdf: its [jaw], [cup], [hand] or [arm], in TOML; the URDF of a hand to mount; or "
+        "wsg50; a parallel jaw of the URDF is recognised"),
+    "--srdf": value(
+        "FILE",
+        "with FILE.urdf: groups and links that do not collide (the SRDF of the same name beside it)"),
+    "--group": value("NAME", "the SRDF's group that is the arm, where it has several"),
+    "--base": numbers(
+        "X Y Z YAW",
+        "where the arm stands, in metres and radians about up (the scene's robot_base, or searched)"),
+    "--joints": value(
+        "Q", "joint values of the robot in its own picture [rad, m]: what is seen at it is nobody's", float,
+        nargs="+"),
+    "--second-base": numbers(
+        "X Y Z YAW", "where a second such arm stands, which holds what would not stand meanwhile (one arm)"),
+    "--away": {"nargs": "+", "metavar": ("WHERE", "NUMBER"), "help":
+        "where taken objects go: table, lift (15 cm clear of everything, for a skill of your own), bin, "
+        "zone X0 Y0 X1 Y1 (level and free), hand-over X Y Z; metres from the arm's base (table)"},
+    "--bin": numbers(
+        "X Y Z YAW SX SY SZ",
+        "where the bin of --away bin stands, and its size (40 x 30 x 20 cm, where there is room)"),
+    "--clamped": names(
+        "what a fixture, such as a vice, keeps where it stands until the hand holds it", default=[]),
+    "--budget": value(
+        "S", "wall-clock seconds that the answer may take; what takes longer fails", positive),
     # simulation
-    "--cameras": {"type": int, "choices": (1, 2, 3), "default": 3, "help": "depth cameras that look on (3)"},
-    "--mask-noise": {
-        "type": float,
-        "default": 0.0,
-        "metavar": "PIXELS",
-        "help": "how far edges of masks are off, as a segmentation's; one in twenty is missing then (0)",
-    },
-    "--wrist-camera": {
-        **_SWITCH,
-        "help": "the arm carries one more, for a second look before a doubtful step",
-    },
-    "--ahead": {
-        **_SWITCH,
-        "help": "choose the next step while the arm acts, on another core; it is done where the look shows "
-        "what was foreseen",
-    },
-    "--engine": {
-        "default": DEFAULT_ENGINE,
-        "choices": ENGINES,
-        "help": f"what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) ({DEFAULT_ENGINE})",
-    },
-    "--video": {"metavar": "FILE", "help": "write a film of it, out.mp4, with the extra 'video'"},
+    "--cameras": value(None, "depth cameras that look on (3)", int, choices=(1, 2, 3), default=3),
+    "--mask-noise": value(
+        "PIXELS", "how far edges of masks are off, as a segmentation's; one in twenty is missing then (0)",
+        float, default=0.0),
+    "--wrist-camera": switch("the arm carries one more, for a second look before a doubtful step"),
+    "--ahead": switch("choose the next step while the arm acts, on another core; it is done where the look "
+        "shows what was foreseen"),
+    "--engine": value(
+        None, f"what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) ({DEFAULT_ENGINE})",
+        choices=ENGINES, default=DEFAULT_ENGINE),
+    "--video": value("FILE", "write a film of it, out.mp4, with the extra 'video'"),
 }
+# fmt: on
 
-GROUPS = {
-    "scene": (
-        *("--fixed", "--up", "--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels"),
-        *("--masks", "--masks-as-they-are"),
-    ),
-    "question": ("--target", "--goal", "--to", "--match", "--away", "--bin", "--rule", "--orderer"),
-    "robot": (
-        *("--robot", "--gripper", "--srdf", "--group", "--base", "--joints", "--second-base", "--clamped"),
-    ),
-    "simulation": ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video"),
-    "advanced": ("--max-mb", "--allow-outside", "--max-objects", "--budget", "--seed", "--jobs", "--cluster"),
-}
-"""Under which heading the help of a command has an option; others are the command's own."""
-
-COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
 FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels", "--masks")
 GRIPPER = ("--gripper", "--srdf", "--group")
 SEEN_ROBOT = (*GRIPPER, "--base", "--joints")
 SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video")
+COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
+
+GROUPS = {
+    "scene": ("--fixed", "--up", *FORMATS, "--masks-as-they-are"),
+    "question": ("--target", "--goal", "--to", "--match", "--away", "--bin", "--rule", "--orderer"),
+    "robot": ("--robot", *SEEN_ROBOT, "--second-base", "--clamped"),
+    "simulation": SIMULATION,
+    "advanced": ("--max-mb", "--allow-outside", "--max-objects", "--budget", "--seed", "--jobs", "--cluster"),
+}
+"""Under which heading the help of a command has an option; others are the command's own."""
 
 
 def add(parser: argparse.ArgumentParser, *names: str, **changed: Any) -> None:
@@ -245,6 +190,14 @@ def add_scenes(
     add(parser, *formats)
 
 
+def add_many(parser: argparse.ArgumentParser) -> None:
+    """Add scenes, where they are worked on, one of the two, and where answers to them are kept."""
+    add_jobs(parser)
+    words = "write a line of JSON for each scene there; the same command goes on where it was stopped"
+    parser.add_argument("-o", "--output", **value("FILE", words))
+    add_scenes(parser, "SCENE...")
+
+
 def add_jobs(parser: argparse.ArgumentParser) -> None:
     """Add where many scenes are worked on: one of the two."""
     where = _group(parser, "--jobs").add_mutually_exclusive_group()
@@ -252,20 +205,9 @@ def add_jobs(parser: argparse.ArgumentParser) -> None:
         where.add_argument(name, **OPTIONS[name])
 
 
-def add_kept(parser: argparse.ArgumentParser) -> None:
-    """Add where answers to many scenes are kept."""
-    words = "write a line of JSON for each scene there; the same command goes on where it was stopped"
-    parser.add_argument("-o", "--output", metavar="FILE", help=words)
-
-
 def add_robot(parser: argparse.ArgumentParser) -> None:
     """Add the arm and its place."""
-    add(
-        parser,
-        "--robot",
-        default="panda",
-        help="panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships (panda)",
-    )
+    add(parser, "--robot", default="panda", help=f"{OPTIONS['--robot']['help']} (panda)")
     add(parser, *SEEN_ROBOT)
 
 

@@ -5,40 +5,26 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, add, add_jobs, add_kept, add_scenes
+from topple.planner.cli.arguments import COMMON, add, add_many, switch, value
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
+from topple.planner.cli.many import Kept, for_each_scene, stored
 from topple.planner.cli.options import Reading, scene_paths
-from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
 from topple.topology.base.files import check_writable, write_whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    add_jobs(parser)
-    add_kept(parser)
-    add_scenes(parser, "SCENE...")
+    add_many(parser)
     add(parser, *COMMON)
-    parser.add_argument(
-        "--no-margins", action="store_true", help="verdicts alone, without forces and margins: sooner"
-    )
-    parser.add_argument(
-        "--play",
-        action="store_true",
-        help="also let time start in simulation, and show where what moves is not what statics says",
-    )
-    parser.add_argument(
-        "--report",
-        metavar="FILE",
-        help="draw one scene, with forces and margins as arrows: out.html, or out.png",
-    )
-    parser.add_argument(
-        "--mend",
-        metavar="FILE",
-        help="write the least shifts, under 5 mm, that make one scene stand there, as poses in JSON",
-    )
+    parser.add_argument("--no-margins", **switch("verdicts alone, without forces and margins: sooner"))
+    play = "also let time start in simulation, and show where what moves is not what statics says"
+    parser.add_argument("--play", **switch(play))
+    report = "draw one scene, with forces and margins as arrows: out.html, or out.png"
+    parser.add_argument("--report", **value("FILE", report))
+    mend = "write the least shifts, under 5 mm, that make one scene stand there, as poses in JSON"
+    parser.add_argument("--mend", **value("FILE", mend))
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -49,8 +35,7 @@ def execute(args: argparse.Namespace) -> int:
         return _mend(Reading.of(args), paths[0], args.mend, args.json)
     drawn = None if args.report is None else check_writable(args.report)
     work = partial(_document, Reading.of(args), not args.no_margins, args.play, drawn)
-    with kept_in(args, _code) as kept, Progress("check") as progress:
-        return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
+    return for_each_scene(args, work, partial(_show, args.json), _code)
 
 
 def _document(reading: Reading, margins: bool, played: bool, drawn: Path | None, path: str) -> dict[str, Any]:

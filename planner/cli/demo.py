@@ -5,10 +5,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, SIMULATION, add
+from topple.planner.cli.arguments import COMMON, OPTIONS, SIMULATION, add, switch, value
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
-from topple.planner.cli.options import orderer_of, rule_of
+from topple.planner.cli.options import keywords, orderer_of, rule_of
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import film_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
@@ -21,17 +21,13 @@ _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
-    parser.add_argument("--list", action="store_true", help="say which scenes there are, and leave")
+    parser.add_argument("--list", **switch("say which scenes there are, and leave"))
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
-    made_for = (
-        "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships (the one the scene is made for)"
-    )
-    add(parser, "--robot", help=made_for)
-    parser.add_argument(
-        "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
-    )
+    add(parser, "--robot", help=f"{OPTIONS['--robot']['help']} (the one the scene is made for)")
+    where = f"where everything is written ({_FOLDER})"
+    parser.add_argument("-o", "--output", **value("FOLDER", where, default=_FOLDER))
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -45,12 +41,8 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"setting up {args.name}")
         from topple.planner.execution.demo import demo
 
-        video = film_of(args)
-        record = demo(
-            args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
-            wrist_camera=args.wrist_camera, ahead=args.ahead, clamped=args.clamped, engine=args.engine,
-            folder=folder, video=video, orderer=orderer, relate=relating, progress=progress,
-        )  # fmt: skip
+        own = {"folder": folder, "video": film_of(args), "orderer": orderer, "relate": relating}
+        record = demo(**keywords(demo, args, **own, progress=progress))
     run = record.to_json()
     if args.json:
         print_json(run)

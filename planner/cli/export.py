@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from topple.planner.cli.arguments import COMMON, add
+from topple.planner.cli.arguments import COMMON, add, value
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import document_at
@@ -15,21 +15,11 @@ _PDDL_FILES = ("domain.pddl", "problem.pddl")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    parser.add_argument(
-        "plan", metavar="PLAN", help="plan.json, for pddl an order's JSON, too; - reads stdin"
-    )
-    parser.add_argument(
-        "--to",
-        required=True,
-        metavar="FORMAT",
-        help="pddl, bt, dot, graphml, moveit, ros2, json, or a plugin's",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        help="where to write it (stdout); for pddl a folder gets domain.pddl and problem.pddl",
-    )
+    parser.add_argument("plan", **value("PLAN", "plan.json, for pddl an order's JSON, too; - reads stdin"))
+    formats = "pddl, bt, dot, graphml, moveit, ros2, json, or a plugin's"
+    parser.add_argument("--to", **value("FORMAT", formats, required=True))
+    where = "where to write it (stdout); for pddl a folder gets domain.pddl and problem.pddl"
+    parser.add_argument("-o", "--output", **value("FILE", where))
     add(parser, *COMMON)
 
 
@@ -50,16 +40,8 @@ def execute(args: argparse.Namespace) -> int:
     contents = parts if folder and parts else [made]
     written = [str(write_whole(*each)) for each in zip(places, contents, strict=False)]
     if args.json:
-        print_json(
-            {
-                "format": "topple.export",
-                "format_version": 1,
-                "plan": args.plan,
-                "to": args.to,
-                "written": written,
-                "text": made if isinstance(made, str) else None,
-            }
-        )
+        head = {"format": "topple.export", "format_version": 1, "plan": args.plan, "to": args.to}
+        print_json({**head, "written": written, "text": made if isinstance(made, str) else None})
     elif written:
         print_text(f"Written: {', '.join(written)}")
     elif isinstance(made, str):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from topple.planner.cli.console import complain, print_json, print_text
-from topple.planner.cli.main import NO_SAFE_PLAN, WRONG_USE
+from topple.planner.cli.main import DONE, NO_SAFE_PLAN, WRONG_USE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.errors import NoSafePlan
@@ -30,10 +30,9 @@ SCENES_A_WORKER = 3
 def for_each_scene(
     args: argparse.Namespace,
     work: Callable[[str], Answer],
-    show: Callable[[str, Answer], int],
-    progress: Progress,
+    show: Callable[["Kept | None", str, Answer], int],
+    code_of: Callable[[Mapping[str, Any]], int] = lambda _: DONE,
     processes: bool = True,
-    kept: "Kept | None" = None,
 ) -> int:
     """Do the same to every scene, on all cores where there are many.
 
@@ -42,14 +41,28 @@ def for_each_scene(
     Args:
         args: The parsed arguments.
         work: Takes a path, returns the answer; it and its answer can go to another process.
-        show: Takes path and answer, prints it, returns the exit code.
-        progress: Where to say what is going on.
+        show: Takes the file of `-o` where it is given, path and answer, prints or keeps it, returns the exit
+            code. Scenes whose answers the file has from before are left out.
+        code_of: The exit code of an answer that is kept.
         processes: False where the work takes all cores by itself.
-        kept: Answers that are there from before, to scenes that are left out here.
 
     Returns:
         The greatest exit code of all.
     """
+    output = getattr(args, "output", None)
+    there = nullcontext() if output is None else Kept(Path(output), args, code_of)
+    with there as kept, Progress(args.command) as progress:
+        return _for_each(args, work, partial(show, kept), progress, processes, kept)
+
+
+def _for_each(
+    args: argparse.Namespace,
+    work: Callable[[str], Answer],
+    show: Callable[[str, Answer], int],
+    progress: Progress,
+    processes: bool,
+    kept: "Kept | None",
+) -> int:
     paths, before = scene_paths(args), {} if kept is None else kept.codes
     left = [path for path in paths if path not in before]
     workers = min(os.cpu_count() or 1, len(left) // SCENES_A_WORKER) if processes else 1
@@ -66,9 +79,8 @@ def for_each_scene(
             answer = next(answers)
             progress.clear()
             if isinstance(answer, Lost):
-                complain(
-                    f"{path}: the process that worked on it was lost twice, for want of memory or killed"
-                )
+                why = "the process that worked on it was lost twice, for want of memory or killed"
+                complain(f"{path}: {why}")
                 codes.append(WRONG_USE)
             elif isinstance(answer, _Refused):
                 complain(answer.why if answer.why.startswith(path) else f"{path}: {answer.why}")
@@ -169,18 +181,6 @@ def stored(as_json: bool, kept: Kept | None, path: str, document: Mapping[str, A
     elif as_json:
         print_json(answer)
     return as_json or kept is not None
-
-
-@contextmanager
-def kept_in(
-    args: argparse.Namespace, code_of: Callable[[Mapping[str, Any]], int]
-) -> Generator["Kept | None"]:
-    """Where `-o` keeps answers, open as long as the context; None where it is not given."""
-    if args.output is None:
-        yield None
-        return
-    with Kept(Path(args.output), args, code_of) as kept:
-        yield kept
 
 
 _NOT_ASKED = ("parser", "said", "command", "scenes", "output", "jobs", "cluster", "json")

@@ -2,16 +2,15 @@
 
 import argparse
 
-from topple.planner.cli.arguments import COMMON, add
+from topple.planner.cli.arguments import COMMON, add, value
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import Reading
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    parser.add_argument(
-        "--root", metavar="DIR", default=".", help="the folder of all that is read and written (.)"
-    )
+    folder = "the folder of all that is read and written (.)"
+    parser.add_argument("--root", **value("DIR", folder, default="."))
     add(parser, *COMMON)
 
 

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -23,6 +24,18 @@ Answer = TypeVar("Answer")
 _SCENE_SUFFIXES = (".npz", ".npy")
 _OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "labels", "view", "masks")  # of one each
 _LISTS = ("fixed", "target", "clamped")  # options that take one name after the other
+
+
+def keywords(function: Callable[..., object], args: argparse.Namespace, **own: Any) -> dict[str, Any]:
+    """What a function takes of the options that are called as its parameters.
+
+    Args:
+        function: The function.
+        args: The parsed arguments.
+        **own: What it takes otherwise, in place of options of that name.
+    """
+    known = signature(function).parameters
+    return {**{name: given for name, given in vars(args).items() if name in known}, **own}
 
 
 def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
@@ -133,13 +146,9 @@ class Reading:
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
         options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
         trusted = getattr(args, "masks_as_they_are", False)
+        in_words = not (args.json or ("cluster" in args and vars(args).get("output")))
         given = (tuple(args.fixed or ()), up, most, args.allow_outside, options)
-        return Reading(
-            *given,
-            seen_robot(args),
-            trusted,
-            not (args.json or ("cluster" in args and vars(args).get("output"))),
-        )
+        return Reading(*given, seen_robot(args), trusted, in_words)
 
     def scene(self, path: str) -> "Scene":
         """Read the scene at a path.
@@ -150,14 +159,9 @@ class Reading:
         from topple.topology.io import load_scene
 
         found = load_scene(
-            path,
-            fixed=self.fixed,
-            up=self.up,
-            most_bytes=self.most_bytes,
-            allow_outside=self.allow_outside,
-            robot=self.robot,
-            **self.options,
-        )
+            path, fixed=self.fixed, up=self.up, most_bytes=self.most_bytes, robot=self.robot,
+            allow_outside=self.allow_outside, **self.options,
+        )  # fmt: skip
         return found.with_masks_as_they_are() if self.as_they_are else found
 
     def said(self, scene: "Scene", answer: Answer) -> Answer:

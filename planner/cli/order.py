@@ -2,17 +2,16 @@
 
 import argparse
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_jobs, add_kept, add_scenes, count
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, count, switch, value
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
+from topple.planner.cli.many import Kept, for_each_scene, stored
 from topple.planner.cli.options import Reading, finished, orderer_of, rule_of, scene_paths
-from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
     models_in,
@@ -31,47 +30,24 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    add_jobs(parser)
-    add_kept(parser)
-    add_scenes(parser, "SCENE...")
+    add_many(parser)
     add(parser, "--target", "--max-objects", "--rule", "--orderer", "--masks-as-they-are", *COMMON)
-    parser.add_argument(
-        "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
-    )
+    verify = "check the dependencies in simulation: take every object away"
+    parser.add_argument("--verify", **switch(verify))
     add(parser, "--budget", help="wall-clock seconds that an order with --verify may take, or it fails")
-    add(
-        parser,
-        "--robot",
-        help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6, FILE.urdf or a shipped one",
-    )
+    robot = "say what bars the gripper's way: panda, panda-suction, iiwa, xarm6, FILE.urdf or a shipped one"
+    add(parser, "--robot", help=robot)
     add(parser, *SEEN_ROBOT)
-    parser.add_argument(
-        "--hands",
-        type=count,
-        metavar="N",
-        help="number of hands: where objects hold each other, 1 has no safe order, and 2 or more may",
-    )
+    hands = "number of hands: where objects hold each other, 1 has no safe order, and 2 or more may"
+    parser.add_argument("--hands", **value("N", hands, count))
     add(parser, "--clamped")
-    parser.add_argument(
-        "--next-view",
-        action="store_true",
-        help="say from where a camera would see most of what is hidden and decides the order",
-    )
-    parser.add_argument(
-        "--explain",
-        action="store_true",
-        help="print every step, and everything that carries something",
-    )
-    parser.add_argument(
-        "--build",
-        action="store_true",
-        help="say in which order to put the objects of this finished arrangement down, and what to hold",
-    )
-    add(
-        parser,
-        "--to",
-        help="say in which order to move objects until they lie as another scene, relations or words say",
-    )
+    view = "say from where a camera would see most of what is hidden and decides the order"
+    parser.add_argument("--next-view", **switch(view))
+    parser.add_argument("--explain", **switch("print every step, and everything that carries something"))
+    build = "say in which order to put the objects of this finished arrangement down, and what to hold"
+    parser.add_argument("--build", **switch(build))
+    to = "say in which order to move objects until they lie as another scene, relations or words say"
+    add(parser, "--to", help=to)
     add(parser, "--match")
 
 
@@ -112,8 +88,7 @@ def execute(args: argparse.Namespace) -> int:
     work = partial(_answer, reading, relating, ask)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     code = partial(_code, args.hands is not None or bool(args.clamped))
-    with kept_in(args, code) as kept, Progress("order") as progress:
-        return for_each_scene(args, work, partial(_show, args, kept, code), progress, by_scenes, kept)
+    return for_each_scene(args, work, partial(_show, args, code), code, by_scenes)
 
 
 @dataclass(frozen=True)
@@ -122,10 +97,12 @@ class _Answer:
 
     document: dict[str, Any]
     movable: int
-    certificate: tuple[str, ...] = ()
+    certificate: tuple[str, ...]
 
 
-_Ask = Callable[["Situation"], _Answer]
+_Asked = tuple[dict[str, Any], tuple[str, ...]]
+"""A document, and why there is no safe order."""
+_Ask = Callable[["Situation"], _Asked]
 _Code = Callable[[Mapping[str, Any]], int]
 
 
@@ -136,43 +113,40 @@ def _answer(
     from topple.topology.situation.situation import Situation
 
     scene = reading.scene(path)
-    answer = ask(Situation.of(scene, None if relating is None else relating(scene)))
-    return reading.said(scene, replace(answer, document={**answer.document, **models_in(scene)}))
+    document, certificate = ask(Situation.of(scene, None if relating is None else relating(scene)))
+    answer = _Answer({**document, **models_in(scene)}, len(scene.movable), certificate)
+    return reading.said(scene, answer)
 
 
-def _ordered(
-    target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation"
-) -> _Answer:
+def _ordered(target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation") -> _Asked:
     """The order in which things are taken, and from where to look next."""
     from topple.planner.planning.next_view import with_next_view
     from topple.planner.planning.order import order
 
     found = order(situation, target, **options)
-    document = with_next_view(situation, target, found) if look else found.to_json()
-    return _Answer(document, len(situation.movable), found.certificate)
+    return with_next_view(situation, target, found) if look else found.to_json(), found.certificate
 
 
-def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situation: "Situation") -> _Answer:
+def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situation: "Situation") -> _Asked:
     """The order of another orderer."""
     from topple.planner.planning.step import order_by
 
     found = order_by(orderer, situation.scene, target, situation.known_relations, seed)
-    return _Answer(found.to_json(), len(situation.movable), found.certificate)
+    return found.to_json(), found.certificate
 
 
-def _built(situation: "Situation") -> _Answer:
+def _built(situation: "Situation") -> _Asked:
     """The order in which things are put down."""
     from topple.planner.building.build import build_order
 
-    return _Answer(build_order(situation).to_json(), len(situation.movable))
+    return build_order(situation).to_json(), ()
 
 
-def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Answer:
+def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Asked:
     """The order in which things are moved until they lie as in another scene."""
     from topple.planner.rearranging.rearrange import rearrange
 
-    moves = rearrange(situation, finished(reading, goal), match=match)
-    return _Answer(moves.to_json(), len(situation.movable))
+    return rearrange(situation, finished(reading, goal), match=match).to_json(), ()
 
 
 def _more_hands(document: Mapping[str, Any]) -> list[str]:
@@ -198,7 +172,7 @@ def _print(path: str, answer: _Answer, explain: bool) -> None:
     print_assumptions(answer.document["assumptions"])
 
 
-def _show(args: argparse.Namespace, kept: Kept | None, code: _Code, path: str, answer: _Answer) -> int:
+def _show(args: argparse.Namespace, code: _Code, kept: Kept | None, path: str, answer: _Answer) -> int:
     if not stored(args.json, kept, path, answer.document):
         _print(path, answer, args.explain)
     for words in answer.certificate:

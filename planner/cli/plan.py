@@ -5,10 +5,10 @@ import json
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task
+from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task, switch, value
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
+from topple.planner.cli.options import goal_of, keywords, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of, away_of, base_of, output_of
 from topple.planner.cli.tables import print_assumptions
@@ -24,30 +24,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser)
     add_task(parser)
     add(parser, "--rule", "--orderer", "--masks-as-they-are", *COMMON)
-    parser.add_argument(
-        "--upright",
-        nargs="+",
-        default=[],
-        metavar="NAME",
-        help="what is kept upright while it is carried, with what is in it",
-    )
+    upright = "what is kept upright while it is carried, with what is in it"
+    parser.add_argument("--upright", **value("NAME", upright, nargs="+", default=[]))
     add(parser, "--away", "--bin", "--clamped", "--budget")
-    parser.add_argument(
-        "--allow-drop",
-        action="store_true",
-        help="release an object even if no stable place is in reach; the step is marked `falls`",
-    )
-    parser.add_argument(
-        "--verify",
-        action="store_true",
-        help="check the plan again by other means: python-fcl at 0.002 rad, PyBullet, limits, physics, goal",
-    )
-    parser.add_argument("-o", "--output", metavar="FILE", help="where to write the plan, e.g. plan.json")
-    parser.add_argument(
-        "--report",
-        metavar="FILE",
-        help="where to write its page, e.g. plan.html: the arm's motion on a time line",
-    )
+    drop = "release an object even if no stable place is in reach; the step is marked `falls`"
+    parser.add_argument("--allow-drop", **switch(drop))
+    verify = "check the plan again by other means: python-fcl at 0.002 rad, PyBullet, limits, physics, goal"
+    parser.add_argument("--verify", **switch(verify))
+    parser.add_argument("-o", "--output", **value("FILE", "where to write the plan, e.g. plan.json"))
+    report = "where to write its page, e.g. plan.html: the arm's motion on a time line"
+    parser.add_argument("--report", **value("FILE", report))
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -69,12 +55,11 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: planning")
         if (base := base_of(args, scene)) is not None:
             scene = scene.with_base(base)
-        found = plan(
-            scene, goal, arm, upright=args.upright, clamped=args.clamped,
-            away=away, allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
-            budget=args.budget, seed=args.seed,
-            progress=lambda text: progress(args.said(text)),
+        asked = keywords(
+            plan, args, scene=scene, goal=goal, robot=arm, base=None, away=away, orderer=orderer or ordered,
+            relations=relating, progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
+        found = plan(**asked)
         checked = None
         if args.verify:
             progress(f"{path}: verifying {len(found.steps)} steps")

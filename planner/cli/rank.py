@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, add, add_robot, add_scenes
+from topple.planner.cli.arguments import COMMON, add, add_robot, add_scenes, value
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, WRONG_USE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
@@ -31,12 +31,9 @@ _KINDS = {b"\x93NUMPY": ".npy", b"PK": ".npz"}  # what files begin with, and wha
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    purpose = (
-        "a scene, and grasps in its frame: GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 "
-        "poses, or - for what is piped in; more such pairs"
-    )
-    add_scenes(parser, "SCENE GRASPS", purpose)
-    parser.add_argument("--object", metavar="NAME", help="only the grasps that hold this object (all)")
+    kinds = "GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 poses, or - for what is piped in"
+    add_scenes(parser, "SCENE GRASPS", f"a scene, and grasps in its frame: {kinds}; more such pairs")
+    parser.add_argument("--object", **value("NAME", "only the grasps that hold this object (all)"))
     add_robot(parser)
     add(parser, "--rule", "--orderer", "--masks-as-they-are", *COMMON)
 

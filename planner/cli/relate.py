@@ -4,37 +4,24 @@ import argparse
 from functools import partial
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_jobs, add_kept, add_scenes
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, switch, value
 from topple.planner.cli.main import DONE
-from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
+from topple.planner.cli.many import Kept, for_each_scene, stored
 from topple.planner.cli.options import Reading, rule_of, scene_paths
-from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions, print_relations
 from topple.planner.tolerances import ALL_PAIRS_UP_TO
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    add_jobs(parser)
-    add_kept(parser)
-    add_scenes(parser, "SCENE...")
+    add_many(parser)
     add(parser, "--max-objects", "--rule", "--robot", *SEEN_ROBOT, *COMMON)
-    parser.add_argument(
-        "--deviation",
-        type=float,
-        metavar="M",
-        help="distance in metres that still counts as touching (estimated)",
-    )
-    parser.add_argument(
-        "--plain",
-        action="store_true",
-        help="the paper's rule to the letter of its Table 1 with a deviation of 0.002 unless given",
-    )
-    parser.add_argument(
-        "--all-pairs",
-        action="store_true",
-        help=f"list pairs that are far apart as well where there are more than {ALL_PAIRS_UP_TO} objects",
-    )
+    deviation = "distance in metres that still counts as touching (estimated)"
+    parser.add_argument("--deviation", **value("M", deviation, float))
+    plain = "the paper's rule to the letter of its Table 1 with a deviation of 0.002 unless given"
+    parser.add_argument("--plain", **switch(plain))
+    pairs = f"list pairs that are far apart as well where there are more than {ALL_PAIRS_UP_TO} objects"
+    parser.add_argument("--all-pairs", **switch(pairs))
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -47,8 +34,7 @@ def execute(args: argparse.Namespace) -> int:
         "deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects, "rule": args.rule
     }  # fmt: skip
     work = partial(_document, Reading.of(args), options, args.all_pairs)
-    with kept_in(args, lambda answer: DONE) as kept, Progress("relate") as progress:
-        return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
+    return for_each_scene(args, work, partial(_show, args.json))
 
 
 def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: str) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import argparse
 import shlex
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, GRIPPER, add
+from topple.planner.cli.arguments import COMMON, GRIPPER, OPTIONS, add, switch, value
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.progress import Progress
@@ -17,12 +17,10 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    parser.add_argument(
-        "robot", metavar="ROBOT", help="panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships"
-    )
+    parser.add_argument("robot", metavar="ROBOT", help=OPTIONS["--robot"]["help"])
     add(parser, *GRIPPER, *COMMON)
-    parser.add_argument("--no-grasp", action="store_true", help="leave out the grasp in simulation")
-    parser.add_argument("-o", "--output", metavar="FILE", help="draw it at home, out.png")
+    parser.add_argument("--no-grasp", **switch("leave out the grasp in simulation"))
+    parser.add_argument("-o", "--output", **value("FILE", "draw it at home, out.png"))
 
 
 def execute(args: argparse.Namespace) -> int:

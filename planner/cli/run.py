@@ -3,10 +3,10 @@
 import argparse
 from pathlib import Path
 
-from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task
+from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task, switch, value
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
-from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
+from topple.planner.cli.options import goal_of, keywords, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of, away_of, base_of, film_of, output_of
 from topple.planner.cli.tables import print_run
@@ -20,13 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--second-base", "--away", "--bin", "--clamped", "--rule", "--masks-as-they-are")
     add(parser, *SIMULATION, *COMMON)
-    parser.add_argument(
-        "--shuffle-labels",
-        action="store_true",
-        help="keep no names between looks: match what is seen with what is remembered",
-    )
-    parser.add_argument("--lerobot", metavar="DIR", type=Path, help="add it to a dataset of LeRobot v3 there")
-    parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
+    shuffle = "keep no names between looks: match what is seen with what is remembered"
+    parser.add_argument("--shuffle-labels", **switch(shuffle))
+    parser.add_argument("--lerobot", **value("DIR", "add it to a dataset of LeRobot v3 there", Path))
+    parser.add_argument("--report", **value("FILE", "where to write the report, e.g. out.html"))
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -46,15 +43,13 @@ def execute(args: argparse.Namespace) -> int:
         from topple.planner.planning.order import cautious
 
         progress(f"{path}: rebuilding the scene")
-        record = run(
-            scene, goal, arm_of(args), base=base_of(args, scene),
-            second_base=base_of(args, scene, "--second-base"), clamped=args.clamped,
-            away=away, cameras=args.cameras,
-            mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
-            ahead=args.ahead, engine=args.engine, video=video, lerobot=taught, photos=place is not None,
-            orderer=orderer or cautious, relate=relating,
-            seed=args.seed, progress=lambda text: progress(args.said(text)),
+        asked = keywords(
+            run, args, scene=scene, goal=goal, robot=arm_of(args), base=base_of(args, scene),
+            second_base=base_of(args, scene, "--second-base"), away=away, video=video, relate=relating,
+            photos=place is not None, orderer=orderer or cautious,
+            progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
+        record = run(**asked)
         from topple.planner.decide.names import spoken
 
         said = spoken(scene, record)

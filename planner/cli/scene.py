@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.cli.arguments import COMMON, add, add_scenes
+from topple.planner.cli.arguments import COMMON, add, add_scenes, switch, value
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import scene_paths
@@ -22,18 +22,11 @@ SPACING, TABLE_SPACING = 0.002, 0.008
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    add_scenes(
-        parser,
-        "VIEW...",
-        "RGB-D .npz: depth, K, pose_camera_to_world as far as it is known, a mask where there is one",
-        formats=(),
-    )
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", default="scene.npz", help="what to write (scene.npz)"
-    )
-    parser.add_argument(
-        "--same-labels", action="store_true", help="a label means the same object in the masks of all views"
-    )
+    views = "RGB-D .npz: depth, K, pose_camera_to_world as far as it is known, a mask where there is one"
+    add_scenes(parser, "VIEW...", views, formats=())
+    parser.add_argument("-o", "--output", **value("FILE", "what to write (scene.npz)", default="scene.npz"))
+    same = "a label means the same object in the masks of all views"
+    parser.add_argument("--same-labels", **switch(same))
     add(parser, *COMMON)
 
 

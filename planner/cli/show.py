@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, add, add_scenes
+from topple.planner.cli.arguments import COMMON, add, add_scenes, value
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
@@ -25,13 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_scenes(parser)
     add(parser, "--target", "--rule", "--orderer", *COMMON)
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        help="what to write: .html, .png, the order animated as .gif, the graph alone as .svg "
-        "(the scene's name with .html)",
-    )
+    words = "what to write: .html, .png, the order animated as .gif, the graph alone as .svg "
+    parser.add_argument("-o", "--output", **value("FILE", f"{words}(the scene's name with .html)"))
 
 
 def execute(args: argparse.Namespace) -> int:

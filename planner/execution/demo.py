@@ -15,7 +15,7 @@ from topple.planner.execution.look import Look, Observer, Relate
 from topple.planner.execution.loop import ClosedLoop
 from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.plan_format import plan_to_json

@@ -3,7 +3,7 @@
 import logging
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -21,12 +21,14 @@ from topple.planner.execution.second_look import HandCamera, doubtful, second_lo
 from topple.planner.execution.selection import RunLimits, StepSelector
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.two_arms import TwoArms
+from topple.planner.fallbacks import RELAXATIONS, selected
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import IN_HAND, Away, Receiver
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.follow import follow
 from topple.planner.planning.holding import check_second
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Context, NextStep, Orderer, Task
 from topple.planner.transfer.prediction import after
@@ -72,6 +74,7 @@ class ClosedLoop:
         second: An arm beside it that holds what would not stand; the orderer is told of two hands then.
         fixture: What keeps things where they stand, and lets go of one once the hand holds it.
         away: Where things go that are taken; to free places on what is seen where None.
+        relaxations: What may be tried where the plain way fails, as for `topple.planner.plan`.
         hand_on: Called with the name of what `away` leaves in the hand: your own skill then empties it.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
@@ -98,18 +101,20 @@ class ClosedLoop:
     second: Driver | None = None
     fixture: Fixture | None = None
     away: Receiver | None = None
+    relaxations: Collection[str] = RELAXATIONS
     hand_on: Callable[[str], None] | None = None
 
     def __post_init__(self) -> None:
         task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed, self.fixture)
         asked = Context(
-            self._arms.stations[0], orderer=self.orderer, grasps=self.grasps, seed=self.seed, away=self.away
-        )
+            self._arms.stations[0], relaxations=selected(self.relaxations), orderer=self.orderer,
+            grasps=self.grasps, seed=self.seed, away=self.away,
+        )  # fmt: skip
         self._selector = StepSelector(task, self._arms, asked, self.limits.attempts)
         self.followed: list[NextStep] = []
         self._started = 0.0
         self._gone: set[str] = set()
-        self._stuck = ""
+        self._stuck, self._said = "", tuple[str, ...]()
 
     @property
     def task(self) -> Task:
@@ -209,39 +214,12 @@ class ClosedLoop:
             return self._run(look)
 
     def _run(self, look: Look | None) -> RunRecord:
-        look = first = self.look() if look is None else look
-        goal = self.task.goal(look.scene)
-        budget = self.limits.actions * max(1, len(look.scene.movable))
-        steps: list[StepRecord] = []
-        wrong: list[str] = []
-        stopped = ""
-        try:
-            self._check_place(look)
-            chosen = self._selector.first(look, goal)
-            while chosen is not None and len(steps) < budget:
-                look, chosen, said = self._looked_closer(look, chosen, goal)
-                if chosen is None:
-                    break
-                step, look = self._act(look, chosen, goal)
-                steps.append(replace(step, events=(*said, *step.events)))
-                wrong += [f"{step.object}: {text}" for text in step.violations]
-                if self._stuck:  # whatever the arm did next, it would drag along what it holds
-                    raise ArmFault(self._stuck.rstrip("."))
-                self._check_place(look)
-                look, chosen = self._selector.next(look, goal)
-            if chosen is not None:
-                stopped = "budget"
-                wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
-        except (NoSafePlan, ArmFault) as error:
-            stopped = "no plan" if isinstance(error, NoSafePlan) else "arm"
-            wrong.append(str(error))
-        except ToppleError as error:
-            stopped = "blind"
-            wrong.append(f"no more could be seen: {error}")
-        except KeyboardInterrupt:
-            stopped = INTERRUPTED
-            wrong.append(f"interrupted after {len(steps)} actions")
-        missing = self._selector.unmet(look, goal)
+        self._look = first = self.look() if look is None else look
+        self._steps: list[StepRecord] = []
+        goal = self.task.goal(first.scene)
+        stopped, wrong = self._ended(goal, self.limits.actions * max(1, len(first.scene.movable)))
+        wrong = (*(f"{step.object}: {text}" for step in self._steps for text in step.violations), *wrong)
+        missing = self._selector.unmet(self._look, goal)
         missing += tuple(text for text in self.judge.unmet(goal) if text not in missing)
         return RunRecord(
             goal=goal.text,
@@ -250,43 +228,63 @@ class ClosedLoop:
             success=not missing and not wrong,
             violations=(*wrong, *missing),
             missing=missing,
-            steps=tuple(steps),
+            steps=tuple(self._steps),
             seconds=time.perf_counter() - self._started,
-            scene=look.scene,
-            relations=look.relations.to_json(),
+            scene=self._look.scene,
+            relations=self._look.relations.to_json(),
             notes=(*goal.assumptions, *(f"at the first look, {text}" for text in first.faults)),
             stopped=stopped,
             arm=self.robot.arm,
         )
 
-    def _looked_closer(
-        self, look: Look, chosen: NextStep, goal: Goal
-    ) -> tuple[Look, NextStep | None, tuple[str, ...]]:
-        """What is seen and chosen after a second look, where the step is doubtful and there is a camera."""
-        name, wrist = chosen.transfer.object, self.wrist
-        if wrist is None or not doubtful(chosen.order, name):
-            return look, chosen, ()
+    def _ended(self, goal: Goal, budget: int) -> tuple[str, tuple[str, ...]]:
+        """Act to the end: the word for what stopped it, and a sentence; neither where nothing is left."""
+        try:
+            self._check_place()
+            self._selector.check_start(self._look, goal)
+            if follow(partial(self._choose, goal), partial(self._do, goal), budget):
+                return "", ()
+            return "budget", (f"the budget of {budget} actions is spent, and there is more to do",)
+        except (NoSafePlan, ArmFault) as error:
+            return "no plan" if isinstance(error, NoSafePlan) else "arm", (str(error),)
+        except ToppleError as error:
+            return "blind", (f"no more could be seen: {error}",)
+        except KeyboardInterrupt:
+            return INTERRUPTED, (f"interrupted after {len(self._steps)} actions",)
+
+    def _choose(self, goal: Goal) -> NextStep | None:
+        """The next step; after a second look where it is doubtful and there is a camera for that."""
+        self._look, chosen = self._selector.next(self._look, goal)
+        self._said, wrist, look = (), self.wrist, self._look
+        if chosen is None or wrist is None or not doubtful(chosen.order, chosen.transfer.object):
+            return chosen
         again = second_look(wrist, self.robot, look.situation, chosen.order, self.seed)
         if again is None:
-            return look, chosen, ()
-        said = f"A second look before taking {name}: that nothing else moves is not sure."
+            return chosen
+        said = f"A second look before taking {chosen.transfer.object}: that nothing else moves is not sure."
         self._say(said)
-        look = self.perception.look(look.scene, (again[0],))
-        return look, self._selector.choose(look, goal), (said,)
+        closer = self.perception.look(look.scene, (again[0],))
+        chosen = self._selector.choose(closer, goal)
+        self._look, self._said = closer, (said,)
+        return chosen
 
-    def _check_place(self, look: Look) -> None:
+    def _check_place(self) -> None:
         """See that the arm is where it should be.
 
         Raises:
             ArmFault: The cameras see it elsewhere.
         """
-        if (words := misplaced(self.robot, look.images, look.scene)) is not None:
+        if (words := misplaced(self.robot, self._look.images, self._look.scene)) is not None:
             raise ArmFault(words)
 
-    def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look]:
-        """Does one step, looks again and judges it."""
-        started, name = time.perf_counter(), chosen.transfer.object
-        events = self._announced(chosen)
+    def _do(self, goal: Goal, chosen: NextStep) -> None:
+        """Does one step, looks again and judges it.
+
+        Raises:
+            ArmFault: The arm does not let go, or is not where it should be.
+        """
+        started, name, look = time.perf_counter(), chosen.transfer.object, self._look
+        events = [*self._said, *self._announced(chosen)]
         grip = chosen.grip or self._arms.grip
         self.judge.begin(chosen.transfer, None if grip is None else grip.object, chosen.by_second)
         self._selector.prepare(look, chosen, goal)
@@ -331,8 +329,12 @@ class ClosedLoop:
             motion=outcome.motion,
             **vars(verdict),
         )
+        self._steps.append(step)
+        self._look = seen
         self._say(f"{name}: {outcome.text}")
-        return step, seen
+        if self._stuck:  # whatever the arm did next, it would drag along what it holds
+            raise ArmFault(self._stuck.rstrip("."))
+        self._check_place()
 
     def _announced(self, chosen: NextStep) -> list[str]:
         """Says what a step changes, then which it is: on a terminal the line that counts stays."""

@@ -14,6 +14,7 @@ from types import TracebackType
 from typing import Any
 
 from topple.planner.decide.goal import Goal
+from topple.planner.planning.follow import next_step
 from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.transfer.prediction import after
 from topple.planner.transfer.recertify import recertified
@@ -150,7 +151,7 @@ def _choose(question: bytes) -> None:
     asked: Question = pickle.loads(question)
     expected = after(asked.situation, asked.transfer)
     with suppress(ToppleError):
-        step = asked.task.chooser(expected, asked.goal, asked.context).choose()
+        step = next_step(asked.task, expected, asked.goal, asked.context)
         _chosen = None if step is None else (asked, step)
 
 

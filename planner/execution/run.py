@@ -8,10 +8,11 @@ from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal, Z
+from topple.planner.fallbacks import RELAXATIONS
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
 from topple.robots.arm.arm import Arm
@@ -39,6 +40,7 @@ def run(
     second_base: FloatArray | None = None,
     clamped: Collection[str] | str = (),
     away: str | Sequence[str | float] | Destination = Away.TABLE,
+    relaxations: Collection[str] = RELAXATIONS,
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
@@ -64,6 +66,7 @@ def run(
         second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand holds them.
         away: Where things go that are taken, as for `topple.planner.plan`.
+        relaxations: What may be tried where the plain way fails, likewise.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
@@ -111,7 +114,8 @@ def run(
             masses=scene.masses, friction=scene.friction, fixture=stage.fixture,
             second=None if there is None else arm_in(stage.world, arm, there, acting),
             away=receiver and receiver.moved(to_world), wrist_camera=wrist_camera, ahead=ahead, photos=photos,
-            shuffle_labels=shuffle_labels, orderer=orderer, relate=relate, seed=seed, progress=progress,
+            shuffle_labels=shuffle_labels, orderer=orderer, relate=relate, relaxations=relaxations, seed=seed,
+            progress=progress,
         )  # fmt: skip
         eye = stage.cameras[0]
         with filmed(video, acting, eye), demonstrated(lerobot, acting, eye) as demonstration:

@@ -15,7 +15,8 @@ from topple.planner.execution.prepare import Preparer, Question
 from topple.planner.execution.tolerances import AT_HOME, STUCK
 from topple.planner.execution.two_arms import TwoArms
 from topple.planner.motion.collision import Checker
-from topple.planner.planning.step import Chooser, Context, NextStep, Task
+from topple.planner.planning.follow import next_step
+from topple.planner.planning.step import Context, NextStep, Task
 from topple.topology.base.arguments import checked_arguments
 
 
@@ -63,25 +64,23 @@ class StepSelector:
 
     def unmet(self, look: Look, goal: Goal) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""
-        return self._chooser(look, goal).unmet()
+        return self.task.chooser(look.situation, goal, self._context(self._memory)).unmet()
 
-    def first(self, look: Look, goal: Goal) -> NextStep | None:
-        """The first step, from an arm that stands clear; None where nothing is left to do.
+    def check_start(self, look: Look, goal: Goal) -> None:
+        """See that the arm stands clear, where there is something to do.
 
         Raises:
-            NoSafePlan: There is none, or the arm stands in something.
+            NoSafePlan: It stands in something.
         """
         robot = self._arms.first
         checker = Checker(
             robot.arm, robot.pose_base_to_world, look.situation.solids, tool_state=robot.tool_state
         )
         deep = [contact for contact in checker.contacts(robot.q_target) if contact.distance < -STUCK]
-        chooser = self._chooser(look, goal)
-        if deep and chooser.unmet():
+        if deep and self.unmet(look, goal):
             where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
             words = f"the arm starts in collision: {where}"
             raise NoSafePlan(words, (words,))
-        return chooser.choose()
 
     def choose(self, look: Look, goal: Goal) -> NextStep | None:
         """The next step, chosen now; None where nothing is left to do.
@@ -92,13 +91,13 @@ class StepSelector:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
         try:
-            return self._chooser(look, goal).choose()
+            return next_step(self.task, look.situation, goal, self._context(self._memory))
         except NoSafePlan:
             if not self._memory.beliefs.measured:
                 raise
         context = self._context(self._memory)
         context = replace(context, beliefs=replace(self._memory.beliefs, measured=frozenset()))
-        return self.task.chooser(look.situation, goal, context).choose()
+        return next_step(self.task, look.situation, goal, context)
 
     def moved_with(self, name: str) -> set[str]:
         """What a lift of an object was seen to move, both being as they were."""
@@ -186,9 +185,6 @@ class StepSelector:
         self._memory = self._memory.after_look(chosen, outcome.success, surprises, changed, outcome.moved)
         if different:
             self.preparer.drop()
-
-    def _chooser(self, look: Look, goal: Goal) -> Chooser:
-        return self.task.chooser(look.situation, goal, self._context(self._memory))
 
     def _context(self, memory: Memory) -> Context:
         """What a step is chosen in, with the arms as they stand."""

@@ -4,6 +4,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from topple.planner.formats.plan_robot import arm_data
 from topple.planner.formats.plan_structs import DependencyData, ObjectData, Step
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Away, Destination
+from topple.planner.planning.follow import follow, next_step
 from topple.planner.planning.order import ordered
 from topple.planner.planning.plan_data import (
     DIGITS,
@@ -70,35 +72,41 @@ class PlanBuilder:
         self.up, self.start = self.situation.up, self.context.station.q
         self.objects = objects_data(self.situation)
         self.moved: dict[str, FloatArray] = {}
+        self._known: Order | None = None
+        self._ordered_in = self.situation
 
     def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
         """Choose one step after the other; `asked` gives the relations before each where there is one."""
-        known, ordered_in = None, self.situation
+        self._known, most = None, MOST_STEPS * len(self.situation.movable)
         with self.context.sandbox:
-            for _ in range(MOST_STEPS * len(self.situation.movable)):
-                context = self._context(known)
-                try:
-                    chosen = task.chooser(self.situation, self.goal, context).choose()
-                except NoSafePlan:
-                    if known is None:
-                        raise
-                    chosen = task.chooser(self.situation, self.goal, replace(context, known=None)).choose()
-                if chosen is None:
-                    return
-                if known is None or chosen.order.supports is not known.supports:
-                    ordered_in = self.situation  # it was asked anew
-                known = None
-                if context.orderer is ordered and asked is None and not context.upright:
-                    known = _left_by(chosen, ordered_in)
-                self.take(chosen)
-                if asked is not None:
-                    scene = self.situation.scene
-                    self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
+            if follow(partial(self._choose, task), partial(self._go_on, asked), most):
+                return
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))
 
-    def _context(self, known: Order | None) -> Context:
+    def _choose(self, task: Task) -> NextStep | None:
+        """The next step, by what the order of the last one leaves where that leads on."""
+        context = self._context()
+        try:
+            return next_step(task, self.situation, self.goal, context)
+        except NoSafePlan:
+            if context.known is None:
+                raise
+        return next_step(task, self.situation, self.goal, replace(context, known=None))
+
+    def _go_on(self, asked: Callable[[Scene], Relations] | None, chosen: NextStep) -> None:
+        """Add a step, with what its order leaves and the relations where it leads."""
+        if self._known is None or chosen.order.supports is not self._known.supports:
+            self._ordered_in = self.situation  # it was asked anew
+        plain = self.context.orderer is ordered and asked is None and not self.context.upright
+        self._known = _left_by(chosen, self._ordered_in) if plain else None
+        self.take(chosen)
+        if asked is not None:
+            scene = self.situation.scene
+            self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
+
+    def _context(self) -> Context:
         """What the next step is chosen in, with what an order from before leaves."""
         avoid = dict[str, list[Grasp]]()
         for transfer in self.barred:
@@ -110,7 +118,7 @@ class PlanBuilder:
         return replace(
             self.context, done=[(chosen.transfer.object, chosen.action) for chosen in self.chosen],
             grasps=own, clamped=self.context.clamped - self.moved.keys(), avoid=avoid,
-            barred=[transfer.placement for transfer in self.barred], known=known,
+            barred=[transfer.placement for transfer in self.barred], known=self._known,
         )  # fmt: skip
 
     def send_away(self, destination: Destination) -> None:

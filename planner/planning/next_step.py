@@ -4,14 +4,15 @@ Planning a whole sequence and running one in closed loop ask the same question a
 should be by then, and of the scene as it is seen.
 """
 
-from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import takewhile
 
 import numpy as np
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
+from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds, parse_goal
 from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import TransferFailure
@@ -21,15 +22,14 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
 from topple.planner.planning.holding import HoldPlanner
-from topple.planner.planning.step import Context, NextStep
+from topple.planner.planning.step import Chooser, Context, NextStep, Task
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.transfer import Transfer
+from topple.topology.base.arrays import FloatArray
+from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
-
-Option = tuple[Fallback | None, Callable[[], NextStep | None]]
-"""A way on, with its name; None for the plain one."""
 
 
 class StepChooser:
@@ -87,12 +87,13 @@ class StepChooser:
         """
         chosen = self._ordered(targets)
         failures: list[TransferFailure] = []
-        options: list[Option] = [
-            (None, lambda: self._in_turn(chosen, targets, action, why, failures)),
-            (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
-            (Fallback.LOOK_LONGER, lambda: self._in_turn(chosen, targets, action, why, [], longer=True)),
-        ]
-        if (step := _first(options)) is not None:
+        longer = partial(self._in_turn, chosen, targets, action, why, [], longer=True)
+        step = (
+            self._in_turn(chosen, targets, action, why, failures)
+            or self._by(Fallback.MAKE_ROOM, partial(self._make_room, failures))
+            or self._by(Fallback.LOOK_LONGER, longer)
+        )
+        if step is not None:
             return step
         explained = tuple(self.transfers.explained(failure) for failure in failures)
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
@@ -115,7 +116,7 @@ class StepChooser:
         """
         unseen: NextStep | None = None
         for name in self._alone(chosen):
-            found = self.aside(name, longer)
+            found = self.transfers.aside(name, self._remaining(name), longer=longer)
             if isinstance(found, Transfer):
                 is_target = name in targets
                 reason = (why or "nothing has to go before it") if is_target else why_first(name, chosen)
@@ -129,6 +130,8 @@ class StepChooser:
                 unseen = unseen or step
             else:
                 failures.append(found)
+                if Fallback.ANOTHER_FIRST not in self.context.relaxations:
+                    return unseen
         if unseen is not None:
             return unseen
         holds = [hold for hold in chosen.holds if may_begin(hold, chosen)]
@@ -171,7 +174,7 @@ class StepChooser:
         for first in self._alone(chosen):
             if first in barred or (first, Action.REMOVE) in self.context.done:
                 continue
-            found = self.aside(first)
+            found = self.transfers.aside(first, self._remaining(first))
             if isinstance(found, Transfer):
                 return NextStep(found, Action.REMOVE, why, chosen)
         return None
@@ -220,15 +223,20 @@ class StepChooser:
                 stuck.append(error)
                 return None
 
-        options: list[Option] = [(None, straight)]
+        def longer() -> NextStep | None:
+            return into(self.spots(place, MORE_CHOICE)[1], MORE_HANDS)
+
+        step = straight()
         if contents:
-            options += [
-                (Fallback.LOOK_LONGER, lambda: into(self.spots(place, MORE_CHOICE)[1], MORE_HANDS)),
-                (Fallback.EMPTY, empty),
-            ]
-        if (step := _first(options)) is not None:
+            step = step or self._by(Fallback.LOOK_LONGER, longer) or self._by(Fallback.EMPTY, empty)
+        if step is not None:
             return step
         raise stuck[0] if stuck else NoSafePlan(str(failed[-1]), (str(failed[-1]),), (failed[-1],))
+
+    def _by(self, name: Fallback, attempt: Callable[[], NextStep | None]) -> NextStep | None:
+        """What an attempt gives, with the name of the relaxation, where that may be tried."""
+        step = attempt() if name in self.context.relaxations else None
+        return None if step is None else replace(step, fallbacks=(name, *step.fallbacks))
 
     def spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
@@ -288,10 +296,6 @@ class StepChooser:
                 scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
         return self.situation if scene is self.scene else Situation(scene)
 
-    def aside(self, name: str, longer: bool = False) -> Transfer | TransferFailure:
-        """An object to a free place on a table; `longer` looks at more places and hands."""
-        return self.transfers.aside(name, self._remaining(name), longer=longer)
-
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
         left = (place for place in self.goal.places if (place.object, Action.PLACE) not in self.context.done)
@@ -299,12 +303,28 @@ class StepChooser:
         return frozenset(named.union(self._needed, self._not_free()) - {name})
 
 
-def _first(options: Iterable[Option]) -> NextStep | None:
-    """What the first rung gives that gives anything, with the rung's name."""
-    for name, attempt in options:
-        if (step := attempt()) is not None:
-            return step if name is None else replace(step, fallbacks=(name, *step.fallbacks))
-    return None
+@dataclass(frozen=True)
+class GoalTask:
+    """A task in words, or as names of what is to be freed: see `topple.planner.decide.goal.parse_goal`."""
+
+    words: str | Collection[str]
+
+    @staticmethod
+    def of(goal: str | Collection[str] | Task) -> Task:
+        """What somebody wants, as a task."""
+        return goal if isinstance(goal, Task) else GoalTask(goal)
+
+    def in_frame(self, _pose: FloatArray, _up: FloatArray, /) -> Task:
+        """The same: words hold in any frame."""
+        return self
+
+    def goal(self, scene: Scene) -> Goal:
+        """The goal, read for a scene."""
+        return parse_goal(self.words, scene)
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        """What chooses the steps."""
+        return StepChooser(situation, goal, context)
 
 
 def no_room(place: Place) -> TransferFailure:

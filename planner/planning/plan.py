@@ -10,11 +10,12 @@ import numpy as np
 from topple.planner.budget import bounded
 from topple.planner.decide.goal import Goal
 from topple.planner.errors import NoSafePlan
+from topple.planner.fallbacks import RELAXATIONS, selected
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
 from topple.planner.planning.builder import PlanBuilder, Progress, check_relations
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import check_clamped, check_known, check_masks, ordered
 from topple.planner.planning.plan_format import Plan
 from topple.planner.planning.start import check_start
@@ -55,6 +56,7 @@ def plan(
     relations: Relations | Callable[[Scene], Relations] | None = None,
     away: str | Sequence[str | float] | Destination = Away.TABLE,
     allow_drop: bool = False,
+    relaxations: Collection[str] = RELAXATIONS,
     check: bool = False,
     budget: float | None = None,
     seed: int = 0,
@@ -84,6 +86,7 @@ def plan(
         away: Where things go that are taken: "table", to free places on what is seen; "lift", "bin", or
             ("zone", ...), ("hand-over", ...) with numbers, as `topple.planner.placement.away` has them.
         allow_drop: Whether an object may be released where no stable place is in reach; its step says so.
+        relaxations: Names in `topple.planner.fallbacks` of what may be tried where the plain way fails.
         check: Whether `Plan.verify` is asked before the plan is returned, which doubles the time. From a
             step that it refutes on is planned anew, with another grasp or place, three times at most. An
             order or relations of your own are not held against the dependencies that topple finds.
@@ -120,11 +123,10 @@ def plan(
     pose = choose_base(situation, arm) if given is None else given
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     check_start(situation, arm, pose, start)
-    level, fixture = check_known(upright, scene, scene.names), check_clamped(scene, clamped)
-    own = {} if grasps is None else own_grasps(grasps, scene, arm)
     context = Context(
-        Station(arm, pose, start), upright=level, clamped=fixture, allow_drop=allow_drop, orderer=orderer,
-        grasps=own, seed=seed,
+        Station(arm, pose, start), allow_drop=allow_drop, orderer=orderer, seed=seed,
+        upright=check_known(upright, scene, scene.names), clamped=check_clamped(scene, clamped),
+        relaxations=selected(relaxations), grasps={} if grasps is None else own_grasps(grasps, scene, arm),
     )  # fmt: skip
     planning = PlanBuilder(situation.with_level_undersides(), wanted, context, progress)
     planning.send_away(Destination.of(away))

@@ -1,13 +1,13 @@
 """A step towards a goal, where the arm stands before it, and what says in which order to take things."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, cast, runtime_checkable
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Action, Goal
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import RELAXATIONS, Fallback
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Receiver
@@ -90,6 +90,7 @@ class Context:
         upright: Objects that are kept upright, with what is in them.
         allow_drop: Whether what stays nowhere the arm can put it may be let go to fall. Where the scene is
             observed it always may: the next look shows where it lies.
+        relaxations: What may be tried where the plain way fails.
         orderer: What decides in which order things are taken.
         grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
         seed: Of every search.
@@ -112,6 +113,7 @@ class Context:
     beliefs: Beliefs | None = None
     upright: frozenset[str] = frozenset()
     allow_drop: bool = False
+    relaxations: Collection[str] = RELAXATIONS
     orderer: "Orderer" = ordered
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     seed: int = 0

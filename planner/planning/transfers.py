@@ -98,7 +98,7 @@ class Transfers:
             return no_grasp(name, refused, self.situation.scene)
         asked = TransferRequest(
             places, grasps, context.avoid.get(name, ()), self.riding(name), name in context.upright,
-            held=self._held, obstacles=context.obstacles,
+            held=self._held, obstacles=context.obstacles, relaxations=context.relaxations,
         )  # fmt: skip
         transfer = partial(plan_transfer, name, self.situation, context.station, seed=context.seed)
         if context.observed:  # what is seen of it may be wrong: the best of all hands takes it
@@ -106,7 +106,8 @@ class Transfers:
         beside = {} if context.away is None else context.obstacles
         proof = Proof(name, self.situation, self.riding(name), beside, context.sandbox)
         found = transfer(replace(asked, holds=proof.holds), limits=limits)
-        if isinstance(found, TransferFailure) and context.allow_drop:
+        drop = context.allow_drop and Fallback.LET_FALL in context.relaxations
+        if isinstance(found, TransferFailure) and drop:
             found = transfer(asked, limits=limits)
             return found if isinstance(found, TransferFailure) else _falling(found, proof)
         return found

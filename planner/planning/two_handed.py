@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.planning.goal_task import GoalTask
+from topple.planner.fallbacks import RELAXATIONS, selected
+from topple.planner.planning.follow import follow, next_step
 from topple.planner.planning.holding import SECOND, check_second, standing_by
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.planning.tolerances import MOST_STEPS
@@ -32,6 +34,7 @@ def plan_two_handed(
     base: FloatArray,
     second_base: FloatArray,
     allow_drop: bool = False,
+    relaxations: Collection[str] = RELAXATIONS,
     seed: int = 0,
 ) -> tuple[NextStep, ...]:
     """Plan everything that reaches a goal with two arms of a kind.
@@ -48,6 +51,7 @@ def plan_two_handed(
         base: (4, 4) pose_base_to_world of the first.
         second_base: (4, 4) likewise of the second.
         allow_drop: As for `topple.planner.plan`.
+        relaxations: Likewise.
         seed: Of every search.
 
     Returns:
@@ -68,6 +72,7 @@ def plan_two_handed(
     """
     scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
     check_second(arm)
+    allowed = selected(relaxations)
     task = GoalTask.of(goal)
     wanted = task.goal(scene)
     check_up(scene)
@@ -76,20 +81,24 @@ def plan_two_handed(
     first, second = (Station(arm, pose, np.asarray(arm.home)) for pose in poses)
     for station in (first, second):
         check_start(situation, arm, station.pose_base_to_world, station.q)
-    done: list[tuple[str, str]] = []
     steps: list[NextStep] = []
+
+    def choose() -> NextStep | None:
+        done = [(step.transfer.object, step.action) for step in steps]
+        context = Context(
+            first, done, allow_drop=allow_drop, relaxations=allowed, seed=seed,
+            second=second, obstacles=standing_by(SECOND, second), sandbox=sandbox,
+        )  # fmt: skip
+        return next_step(task, situation, wanted, context)
+
+    def do(chosen: NextStep) -> None:
+        nonlocal situation
+        for step in (replace(chosen, then=()), *chosen.then):
+            steps.append(step)
+            situation = after(situation, step.transfer)
+
     with Sandbox() as sandbox:
-        for _ in range(MOST_STEPS * len(situation.movable)):
-            context = Context(
-                first, done, allow_drop=allow_drop, seed=seed,
-                second=second, obstacles=standing_by(SECOND, second), sandbox=sandbox,
-            )  # fmt: skip
-            chosen = task.chooser(situation, wanted, context).choose()
-            if chosen is None:
-                return tuple(steps)
-            for step in (replace(chosen, then=()), *chosen.then):
-                steps.append(step)
-                done.append((step.transfer.object, step.action))
-                situation = after(situation, step.transfer)
+        if follow(choose, do, MOST_STEPS * len(situation.movable)):
+            return tuple(steps)
     words = f"no end after {len(steps)} steps"
     raise NoSafePlan(words, (words,))

@@ -93,10 +93,12 @@ class MoveChooser:
             problem = replace(needed.problem, before=needed.problem.before | self._learned)
             found = fewest_moves(problem)
             starting = partial(_starting, taken, needed, found.moves)
-            for move in sorted(_ready(problem, found), key=lambda move: _risk_now(taken, move.object)):
+            ready = sorted(_ready(problem, found), key=lambda move: _risk_now(taken, move.object))
+            several = Fallback.ANOTHER_FIRST in self._context.relaxations
+            for move in ready if several else ready[:1]:
                 if (step := self._step(move, needed, starting)) is not None:
                     return step
-            if len(self._failed) > MOST_LEARNED or not self._learned_more(problem):
+            if not several or len(self._failed) > MOST_LEARNED or not self._learned_more(problem):
                 failures = tuple(self._failed.values())
                 words = tuple(map(str, failures))
                 raise NoSafePlan("; ".join(words), words, failures)

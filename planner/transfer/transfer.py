@@ -1,7 +1,7 @@
 """One pick and place: grasps, inverse kinematics and placements screened together, then the motions."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import chain, islice, tee
@@ -9,7 +9,7 @@ from itertools import chain, islice, tee
 import numpy as np
 
 from topple.planner.failure import Check, FailedCheck, FailureLog, TransferFailure
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import RELAXATIONS, Fallback
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.load import beyond_arm
@@ -83,6 +83,7 @@ class TransferRequest:
         holds: Whether the object stays where a place has it; where None, all do.
         held: The grasp by which the hand has closed on it already; the transfer begins with the lift then.
         obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
+        relaxations: What may be tried where the plain way fails.
     """
 
     places: Sequence[Placement] | None = None
@@ -93,6 +94,7 @@ class TransferRequest:
     holds: Callable[[Placement], bool] | None = None
     held: Reached | None = None
     obstacles: Solids | None = None
+    relaxations: Collection[str] = RELAXATIONS
 
     @property
     def level(self) -> bool:
@@ -140,6 +142,7 @@ def plan_transfer(
     handling = Handling(name, situation, station, tuple(asked.riding), seed, asked.obstacles)
     find = partial(grasp_candidates, name, situation, wide=bool(avoid), out=handling.shared_way_out(places))
     spare = {tool: shape for tool, shape in shapes_of(arm).items() if shape.spare}
+    spare = spare if Fallback.OTHER_TOOL in asked.relaxations else {}
     if grasps is None:
         few = find(arm, enough=limits.enough) if limits.enough < np.inf and not avoid else []
         grasps = few or _others(find(arm, dropped=dropped), avoid)
@@ -215,7 +218,7 @@ class _Search:
         self, grasps: Sequence[Grasp], more: Callable[[], Sequence[Grasp]]
     ) -> Transfer | TransferFailure:
         """Complete a transfer by one of some grasps or of more of them, by one that comes unseen last."""
-        for unseen in (False, True):
+        for unseen in (False, True) if Fallback.UNSEEN in self.asked.relaxations else (False,):
             for some in (lambda: grasps, more):
                 found = self.run([grasp for grasp in some() if grasp.unseen == unseen])
                 if isinstance(found, Transfer):
@@ -232,12 +235,14 @@ class _Search:
         else:
             reached = [iter([self.asked.held]), iter([self.asked.held])]
         for way in self._ways():
+            if not set(way.fallbacks) <= set(self.asked.relaxations):
+                continue
             states, reached[way.lenient] = tee(reached[way.lenient])  # looked for once, when asked
             for state in islice(states, self.limits.reached):
                 transfer = self._with(state, way)
                 if transfer is not None:
                     return transfer
-        for state, way in self._barred[:NARROW]:
+        for state, way in self._barred[: NARROW if Fallback.NARROW in self.asked.relaxations else 0]:
             narrow = replace(way, margin=0.0, fallbacks=(*way.fallbacks, Fallback.NARROW))
             transfer = self._with(state, narrow)
             if transfer is not None:

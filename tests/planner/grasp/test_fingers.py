@@ -10,8 +10,9 @@ from on_table import BASE, on_table
 
 from topple.benchmarks.sabotages.caught import ROUGH
 from topple.planner.decide.arrange import Order
+from topple.planner.errors import NoSafePlan
 from topple.planner.failure import FailureLog
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import RELAXATIONS
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.rank import rank_grasps
@@ -95,14 +96,15 @@ def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not() -> None:
         for wall in (True, False)
     )
     (step,) = hidden.steps
-    assert step.unseen
-    assert Fallback.UNSEEN in step.fallbacks
+    assert step.unseen and "unseen" in step.fallbacks
     assert any("no camera saw the hand's way to block" in words for words in hidden.assumptions)
     document = plan_to_json(hidden)
     assert json.loads(document)["steps"][0]["unseen"] is True
     assert plan_from_json(document) == hidden
     assert [step.unseen for step in open_.steps] == [False]
     assert not any("no camera saw" in words for words in open_.assumptions)
+    with pytest.raises(NoSafePlan, match="not tried, as the relaxations leave it out: unseen"):
+        plan(shaded(LOW), ["block"], "panda", base=BASE, grasps=[pinch()], relaxations=RELAXATIONS[:-1])
 
 
 def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one() -> None:

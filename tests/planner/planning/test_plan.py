@@ -14,8 +14,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
-from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.next_step import GoalTask, StepChooser
 from topple.planner.planning.order import check_known
 from topple.planner.planning.plan import plan, plan_all
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
@@ -43,10 +42,8 @@ def found() -> Plan:
 
 
 def test_what_lies_on_top_is_removed_first(found: Plan) -> None:
-    assert [(step.object, step.action) for step in found.steps] == [
-        ("upper", "remove"),
-        ("lower box", "free"),
-    ]
+    taken = [(step.object, step.action) for step in found.steps]
+    assert taken == [("upper", "remove"), ("lower box", "free")]
     assert found.steps[1].after == [0]
     assert found.order == ["upper", "lower box"]
     assert any(edge.first == "upper" and edge.then == "lower box" for edge in found.dependencies)
@@ -93,9 +90,7 @@ def test_where_the_check_refutes_plan_after_plan_its_first_reason_is_told() -> N
 
 
 @pytest.mark.slow
-def test_many_scenes_are_planned_as_each_by_itself_and_one_without_a_plan_says_so(
-    found: Plan, tmp_path: Path
-) -> None:
+def test_many_scenes_are_planned_one_by_one_and_a_lack_of_plan_is_said(found: Plan, tmp_path: Path) -> None:
     far = BASE.copy()
     far[0, 3] = -5.0
     for name, base in (("near", BASE), ("far", far)):
