@@ -21,6 +21,11 @@ def designed(seed: int) -> tuple[str, RestingScene]:
     return of_a_kind({kind: partial(_with_things_beside, lay) for kind, lay in KINDS.items()}, seed, 46)
 
 
+def leaning(seed: int) -> tuple[str, RestingScene]:
+    """Boards that lean on something, often with things beside it; their friction holds at such tilts."""
+    return of_a_kind({"leaning": partial(_with_things_beside, _leaning)}, seed, 77)
+
+
 def _with_things_beside(lay: Lay, layout: Layout) -> None:
     lay(layout)
     for k in range(int(layout.rng.integers(0, 3))):
@@ -255,6 +260,28 @@ def _between(layout: Layout) -> None:
         if layout.rng.random() < 0.5:
             roof = high * np.cos(tilt) + thick * np.sin(tilt) + 1e-3
             layout.put(shapes.box("roof", (0.1, 0.08, 0.012)), (0, 0, roof))
+
+
+def _leaning(layout: Layout) -> None:
+    """Boards and bars against a box, a can or a wall, from one side or two, sometimes with a load on top."""
+    high = layout.number(0.08, 0.2)
+    wall = (
+        shapes.box("wall", (layout.number(0.05, 0.1), layout.number(0.08, 0.14), high)),
+        shapes.can("wall", diameter=layout.number(0.06, 0.09), height=high),
+        shapes.box("wall", (layout.number(0.03, 0.05), layout.number(0.12, 0.2), high)),
+    )[int(layout.rng.integers(3))]
+    layout.put(wall, (0, 0, 0))
+    aside = float(np.concatenate(wall.parts)[:, 0].max()) + GAP
+    for side in (1, -1)[: int(layout.rng.integers(1, 3))]:
+        size = layout.rng.uniform([0.01, 0.03, 0.1], [0.03, 0.1, 0.24])
+        tilt = layout.number(0.2, 0.87)
+        touches = min(size[2], high / np.cos(tilt))  # so far up it meets the wall, or the wall's edge
+        x = aside + size[0] / 2 * np.cos(tilt) + touches * np.sin(tilt)
+        place = side * x, layout.number(-0.02, 0.02), size[0] / 2 * np.sin(tilt) + GAP
+        turn = Rotation.from_euler("y", -side * tilt)
+        layout.put(shapes.box(f"board_{'lr'[side > 0]}", tuple(size)), place, turn)
+    if layout.rng.random() < 0.4:
+        layout.drop(shapes.box("load", (0.04, 0.04, 0.03)), (0, 0), 0.005, 0.0)
 
 
 KINDS: Mapping[str, Lay] = {

@@ -1,6 +1,6 @@
 """`topple bench truth`: how much topple tells rightly, held against floors or against another commit.
 
-The scenes are of three generators that are unlike, labelled by lifting each object in simulation; each is
+The scenes are of four generators that are unlike, labelled by lifting each object in simulation; each is
 given as whole surfaces and as depth images of one and of three noisy cameras (`views`). Told are, with 95 %
 intervals (Wilson's of shares, else of scenes drawn anew), relations and false contacts, dependencies,
 cycles, safe orders, first removals that disturb, needless removals, and the Brier score of risks.

@@ -1,4 +1,4 @@
-"""The pool: scenes of three generators that are unlike, with what simulation says of each, kept in a file.
+"""The pool: scenes of four generators that are unlike, with what simulation says of each, kept in a file.
 
 `python -m topple.benchmarks.truth.pool` makes the scenes that the file lacks: hours, and it goes on where it
 was stopped. Each object in turn is lifted straight up, rigidly, and taken away at three frictions; whatever
@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 from topple.benchmarks.piles import make_pile
 from topple.benchmarks.scores import Labels
 from topple.benchmarks.truth.built import built
-from topple.benchmarks.truth.designed import designed
+from topple.benchmarks.truth.designed import designed, leaning
 from topple.benchmarks.truth.geometry import RelationLabels, relations_of
 from topple.benchmarks.truth.oracle import labels_of
 from topple.benchmarks.truth.resting import FRICTION, RestingScene
@@ -37,7 +37,7 @@ FILE = Path(__file__).with_name("pool.npz")
 UNIT = 2e-5  # [m] of the corners in the file: a fiftieth of a camera's noise
 FIRST_SEED = 44_000_000
 WRITTEN = 20  # scenes after which the file is written
-SETS: Mapping[str, int] = {"settled": 300, "built": 400, "designed": 500}
+SETS: Mapping[str, int] = {"settled": 300, "built": 400, "designed": 500, "leaning": 240}
 SIGNS = {"1": 1, "0": 0, "?": None}
 
 
@@ -78,7 +78,7 @@ def _settled(seed: int) -> tuple[str, RestingScene]:
 
 
 _GENERATORS: Mapping[str, Callable[[int], tuple[str, RestingScene]]] = {
-    "settled": _settled, "built": built, "designed": designed,
+    "settled": _settled, "built": built, "designed": designed, "leaning": leaning,
 }  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from at_rest import at_rest, labelled
 
 from topple.benchmarks.truth import gate, pool
 from topple.benchmarks.truth.asked import FAR, LEFT, jittered
-from topple.benchmarks.truth.cases import FEW, MANY, drawn, few
+from topple.benchmarks.truth.cases import FEW, GATED, MANY, drawn, few
 from topple.benchmarks.truth.oracle import labels_of
 from topple.benchmarks.truth.resting import RestingScene
 from topple.benchmarks.truth.views import VIEWS, seen
@@ -58,7 +58,7 @@ def test_the_pool_has_every_kind_and_each_commit_draws_its_own() -> None:
     assert one == [scene.name for scene in drawn("a2ac90c")]
     assert len(set(one)) == len(one) and abs(len(one) - min(MANY, len(every))) <= len(pool.SETS)
     assert len(every) <= MANY or one != other
-    assert len(few()) == FEW * len(pool.SETS)
+    assert len(few()) == FEW * len(GATED)
 
 
 def test_a_made_scene_is_packed_and_read_back(tmp_path: Path) -> None:
