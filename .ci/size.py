@@ -170,12 +170,16 @@ def raised(root: Path) -> Iterator[str]:
     if not commits:
         return
     first = commits[-1]
-    touched = git("log", "--reverse", "--format=%H", f"{first}..HEAD", "--", "pyproject.toml").split()
+    # of branches side by side each sees its own ceilings: what was merged counts as one change
+    mainline = "log", "--first-parent", "--reverse", "--format=%H"
+    touched = git(*mainline, f"{first}..HEAD", "--", "pyproject.toml").split()
     before = ceilings(git("show", f"{first}:pyproject.toml"))
     for commit in [*touched, ""]:
         source = git("show", f"{commit}:pyproject.toml") if commit else (root / "pyproject.toml").read_text()
         change = (
-            git("show", commit, "--", "CHANGELOG.md") if commit else git("diff", "HEAD", "--", "CHANGELOG.md")
+            git("show", "-m", "--first-parent", commit, "--", "CHANGELOG.md")
+            if commit
+            else git("diff", "HEAD", "--", "CHANGELOG.md")
         )
         now = ceilings(source)
         for name, value in now.items():
