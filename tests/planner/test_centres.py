@@ -15,6 +15,7 @@ from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.checks import Checks
 from topple.robots import scene_from_world, shapes
+from topple.robots.arm.arm import Station
 from topple.robots.catalog import robot
 from topple.robots.world.bodies import Body
 from topple.robots.world.world import World
@@ -110,8 +111,7 @@ def test_what_is_carried_weighs_where_its_centre_is() -> None:
     crate: Body = shapes.box("crate", (0.16, 0.1, 0.06))
     cloud = crate.surface(2000, np.random.default_rng(0))
     scene = Scene({"crate": cloud}, up=UP, masses={"crate": 1.5}, centres={"crate": (0.05, 0.0, 0.01)})
-    checks = object.__new__(Checks)
-    checks.__dict__.update(scene=scene, bodies={"crate": crate.parts}, name="crate", riding=())
-    mass, centre = checks.load
+    arm = robot("panda")
+    mass, centre = Checks("crate", Situation(scene), Station(arm, np.eye(4), np.asarray(arm.home))).load
     assert mass == 1.5
     assert np.allclose(centre, (0.05, 0.0, 0.01))
