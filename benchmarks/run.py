@@ -38,7 +38,7 @@ from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.rules import RULES
 from topple.benchmarks.scores import DRAWS, share
 from topple.benchmarks.series import BESIDE, FULL, QUICK, Series
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.workers import Lost, mapped, opened
 
@@ -249,7 +249,7 @@ def fallback_rows(endings: Sequence[Ending]) -> list[Row]:
     stood = Counter(name for ending in endings for name, _ in ending.fallbacks)
     held = Counter(name for ending in endings for name, succeeded in ending.fallbacks if succeeded)
     rows: list[Row] = []
-    for name in Fallback:
+    for name in Relaxation:
         rows.append(Row(f"steps that stand on the fallback {name}, of {steps}", stood[name], ""))
         if stood[name]:
             rows.append(share(f"of these succeeded: {name}", held[name], stood[name]))

@@ -11,7 +11,7 @@ from topple.topology.base.errors import InvalidInput
 from topple.topology.base.values import Word
 
 
-class Fallback(Word):
+class Relaxation(Word):
     """A row of the table, equal to its name, which steps of plans and runs carry.
 
     Attributes:
@@ -20,7 +20,7 @@ class Fallback(Word):
         changes: What is done instead of the plain way.
 
     Examples:
-        >>> Fallback.NARROW.when
+        >>> Relaxation.NARROW.when
         'no way keeps the usual distance with the object in the hand'
     """
 
@@ -28,7 +28,7 @@ class Fallback(Word):
     when: str
     changes: str
 
-    def __new__(cls, name: str, saved: int | None = None, when: str = "", changes: str = "") -> "Fallback":
+    def __new__(cls, name: str, saved: int | None = None, when: str = "", changes: str = "") -> "Relaxation":
         """Make a row of its name and what it says."""
         row = str.__new__(cls, name)
         row._value_, row.saved, row.when, row.changes = name, saved, when, changes
@@ -80,11 +80,11 @@ class Fallback(Word):
     )
 
 
-RELAXATIONS = tuple(Fallback)
+RELAXATIONS = tuple(Relaxation)
 """In the order in which they are told of: from what to take down to how to get there."""
 
 
-def selected(names: Collection[str] | str) -> frozenset[Fallback]:
+def selected(names: Collection[str] | str) -> frozenset[Relaxation]:
     """The relaxations of some names.
 
     Args:
@@ -96,4 +96,4 @@ def selected(names: Collection[str] | str) -> frozenset[Fallback]:
     given = {names} if isinstance(names, str) else set(names)
     if unknown := sorted(given.difference(RELAXATIONS)):
         raise InvalidInput(f"unknown relaxation {unknown[0]!r}: expected some of {', '.join(RELAXATIONS)}")
-    return frozenset(map(Fallback, given))
+    return frozenset(map(Relaxation, given))

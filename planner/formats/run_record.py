@@ -6,7 +6,7 @@ from math import degrees
 from typing import Any
 
 from topple.planner.decide.names import spoken
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.arm.arm import Arm
@@ -123,7 +123,7 @@ class StepRecord(Verdict):
             "dropped": self.dropped,
             "events": list(self.events),
             "fallbacks": list(self.fallbacks),
-            "unseen": Fallback.UNSEEN in self.fallbacks,
+            "unseen": Relaxation.UNSEEN in self.fallbacks,
             "tilts": {name: float(tilt) for name, tilt in self.tilts.items()},
             "forces": {name: float(force) for name, force in self.forces.items()},
             "impulses": {name: float(impulse) for name, impulse in self.impulses.items()},

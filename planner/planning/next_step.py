@@ -16,7 +16,7 @@ from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import TransferFailure
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.placement.drops import staying
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
@@ -90,8 +90,8 @@ class StepChooser:
         longer = partial(self._in_turn, chosen, targets, action, why, [], longer=True)
         step = (
             self._in_turn(chosen, targets, action, why, failures)
-            or self._by(Fallback.MAKE_ROOM, partial(self._make_room, failures))
-            or self._by(Fallback.LOOK_LONGER, longer)
+            or self._by(Relaxation.MAKE_ROOM, partial(self._make_room, failures))
+            or self._by(Relaxation.LOOK_LONGER, longer)
         )
         if step is not None:
             return step
@@ -123,14 +123,14 @@ class StepChooser:
                 role = action if is_target else Action.REMOVE
                 held = [hold.sentence(chosen.order) for hold in chosen.holds if hold.since == name]
                 said = "; ".join([reason, *held, *map(str, failures)])
-                fallbacks = (Fallback.ANOTHER_FIRST,) if failures else ()
+                fallbacks = (Relaxation.ANOTHER_FIRST,) if failures else ()
                 step = NextStep(found, role, said, chosen, fallbacks=fallbacks)
                 if not found.grasp.unseen:
                     return step
                 unseen = unseen or step
             else:
                 failures.append(found)
-                if Fallback.ANOTHER_FIRST not in self.context.relaxations:
+                if Relaxation.ANOTHER_FIRST not in self.context.relaxations:
                     return unseen
         if unseen is not None:
             return unseen
@@ -143,7 +143,7 @@ class StepChooser:
             lambda name: action if name in targets else Action.REMOVE,
         ).steps()  # fmt: skip
         if isinstance(held, NextStep):
-            return replace(held, fallbacks=(Fallback.ANOTHER_FIRST,)) if failures else held
+            return replace(held, fallbacks=(Relaxation.ANOTHER_FIRST,)) if failures else held
         failures.append(held)
         return None
 
@@ -228,12 +228,12 @@ class StepChooser:
 
         step = straight()
         if contents:
-            step = step or self._by(Fallback.LOOK_LONGER, longer) or self._by(Fallback.EMPTY, empty)
+            step = step or self._by(Relaxation.LOOK_LONGER, longer) or self._by(Relaxation.EMPTY, empty)
         if step is not None:
             return step
         raise stuck[0] if stuck else NoSafePlan(str(failed[-1]), (str(failed[-1]),), (failed[-1],))
 
-    def _by(self, name: Fallback, attempt: Callable[[], NextStep | None]) -> NextStep | None:
+    def _by(self, name: Relaxation, attempt: Callable[[], NextStep | None]) -> NextStep | None:
         """What an attempt gives, with the name of the relaxation, where that may be tried."""
         step = attempt() if name in self.context.relaxations else None
         return None if step is None else replace(step, fallbacks=(name, *step.fallbacks))

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from topple.planner.decide.goal import Action, PlaceRelation
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.formats.plan_structs import FORMAT, FORMAT_VERSION, Matrix, PlanData, as_array, as_lists
 from topple.planner.placement.away import BODIES, Away
 from topple.planner.transfer.segments import Segment
@@ -174,7 +174,7 @@ def _faults(plan: Plan) -> Iterator[str]:
         yield from _twice(held, f"{here}.attachments", "names one twice")
         yield from _other([place.how], places, f"{here}.placement.how")
         yield from _other([step.action], tuple(Action), f"{here}.action")
-        yield from _other(step.fallbacks, tuple(Fallback), f"{here}.fallbacks")
+        yield from _other(step.fallbacks, tuple(Relaxation), f"{here}.fallbacks")
         for k, before in enumerate(step.after):
             if not 0 <= before < i:
                 yield f"`{here}.after[{k}]` is {before}, no earlier step"

@@ -7,7 +7,7 @@ from typing import Any, Protocol, cast, runtime_checkable
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Action, Goal
-from topple.planner.fallbacks import RELAXATIONS, Fallback
+from topple.planner.fallbacks import RELAXATIONS, Relaxation
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Receiver
@@ -48,7 +48,7 @@ class NextStep:
     action: Action
     reason: str
     order: Order
-    fallbacks: tuple[Fallback, ...] = ()
+    fallbacks: tuple[Relaxation, ...] = ()
     buffer: bool = False
     grip: Transfer | None = None
     let_go: Transfer | None = None
@@ -68,7 +68,7 @@ class NextStep:
         return replace(found[0], then=tuple(found[1:]))
 
     @property
-    def all_fallbacks(self) -> tuple[Fallback, ...]:
+    def all_fallbacks(self) -> tuple[Relaxation, ...]:
         """Everything that it stands on."""
         return (*self.fallbacks, *self.transfer.fallbacks)
 

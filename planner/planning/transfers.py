@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 from topple.planner.failure import FailureLog, TransferFailure
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.given import doable
 from topple.planner.grasp.grasp import Grasp
@@ -106,7 +106,7 @@ class Transfers:
         beside = {} if context.away is None else context.obstacles
         proof = Proof(name, self.situation, self.riding(name), beside, context.sandbox)
         found = transfer(replace(asked, holds=proof.holds), limits=limits)
-        drop = context.allow_drop and Fallback.LET_FALL in context.relaxations
+        drop = context.allow_drop and Relaxation.LET_FALL in context.relaxations
         if isinstance(found, TransferFailure) and drop:
             found = transfer(asked, limits=limits)
             return found if isinstance(found, TransferFailure) else _falling(found, proof)
@@ -177,5 +177,5 @@ def _falling(transfer: Transfer, proof: Proof) -> Transfer:
     return replace(
         transfer,
         placement=replace(place, rest=words, falls=True),
-        fallbacks=(*transfer.fallbacks, Fallback.LET_FALL),
+        fallbacks=(*transfer.fallbacks, Relaxation.LET_FALL),
     )

@@ -10,7 +10,7 @@ from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action, Goal, Place, holds
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import TransferFailure
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.placement.lowered import lowered
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import about
@@ -94,7 +94,7 @@ class MoveChooser:
             found = fewest_moves(problem)
             starting = partial(_starting, taken, needed, found.moves)
             ready = sorted(_ready(problem, found), key=lambda move: _risk_now(taken, move.object))
-            several = Fallback.ANOTHER_FIRST in self._context.relaxations
+            several = Relaxation.ANOTHER_FIRST in self._context.relaxations
             for move in ready if several else ready[:1]:
                 if (step := self._step(move, needed, starting)) is not None:
                     return step
@@ -141,7 +141,7 @@ class MoveChooser:
         buffer = move.to is To.BUFFER
         why = needed.told([move])[0]
         said = "; ".join([why, *map(str, self._failed.values())])
-        fallbacks = (Fallback.ANOTHER_FIRST,) if self._failed else ()
+        fallbacks = (Relaxation.ANOTHER_FIRST,) if self._failed else ()
         action = Action.REMOVE if buffer else Action.PLACE
         return NextStep(found, action, said, starting(move), fallbacks=fallbacks, buffer=buffer)
 

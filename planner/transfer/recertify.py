@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.grasp.judge import in_the_way
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
@@ -34,8 +34,8 @@ def recertified(transfer: Transfer, situation: Situation, station: Station) -> T
     if transfer.object not in situation.movable or not _takes(transfer, situation, station.arm):
         return None
     checks = Checks(transfer.object, situation, station, transfer.riding)
-    lenient = Fallback.THROUGH_GUESSES in transfer.fallbacks
-    margin = 0.0 if Fallback.NARROW in transfer.fallbacks else MARGIN
+    lenient = Relaxation.THROUGH_GUESSES in transfer.fallbacks
+    margin = 0.0 if Relaxation.NARROW in transfer.fallbacks else MARGIN
     segments: list[Segment] = []
     for segment in transfer.segments:
         kind, clearance = THEN.get(segment.kind, segment.kind), 0.0

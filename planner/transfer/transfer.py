@@ -9,7 +9,7 @@ from itertools import chain, islice, tee
 import numpy as np
 
 from topple.planner.failure import Check, FailedCheck, FailureLog, TransferFailure
-from topple.planner.fallbacks import RELAXATIONS, Fallback
+from topple.planner.fallbacks import RELAXATIONS, Relaxation
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.load import beyond_arm
@@ -59,7 +59,7 @@ class Transfer:
     tried: Mapping[str, int]
     riding: tuple[str, ...] = ()
     upright: bool = False
-    fallbacks: tuple[Fallback, ...] = ()
+    fallbacks: tuple[Relaxation, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q_end", frozen(self.q_end))
@@ -142,7 +142,7 @@ def plan_transfer(
     handling = Handling(name, situation, station, tuple(asked.riding), seed, asked.obstacles)
     find = partial(grasp_candidates, name, situation, wide=bool(avoid), out=handling.shared_way_out(places))
     spare = {tool: shape for tool, shape in shapes_of(arm).items() if shape.spare}
-    spare = spare if Fallback.OTHER_TOOL in asked.relaxations else {}
+    spare = spare if Relaxation.OTHER_TOOL in asked.relaxations else {}
     if grasps is None:
         few = find(arm, enough=limits.enough) if limits.enough < np.inf and not avoid else []
         grasps = few or _others(find(arm, dropped=dropped), avoid)
@@ -169,7 +169,7 @@ def plan_transfer(
     if isinstance(found, TransferFailure):
         return found
     changed |= spared and found.grasp.tool in spare
-    said = [Fallback.OTHER_TOOL] * changed + [Fallback.UNSEEN] * found.grasp.unseen
+    said = [Relaxation.OTHER_TOOL] * changed + [Relaxation.UNSEEN] * found.grasp.unseen
     return replace(found, fallbacks=(*said, *found.fallbacks)) if said else found
 
 
@@ -201,7 +201,7 @@ class _Way:
     places: tuple[Placement, ...]
     lenient: bool
     margin: float
-    fallbacks: tuple[Fallback, ...]
+    fallbacks: tuple[Relaxation, ...]
 
 
 class _Search:
@@ -218,7 +218,7 @@ class _Search:
         self, grasps: Sequence[Grasp], more: Callable[[], Sequence[Grasp]]
     ) -> Transfer | TransferFailure:
         """Complete a transfer by one of some grasps or of more of them, by one that comes unseen last."""
-        for unseen in (False, True) if Fallback.UNSEEN in self.asked.relaxations else (False,):
+        for unseen in (False, True) if Relaxation.UNSEEN in self.asked.relaxations else (False,):
             for some in (lambda: grasps, more):
                 found = self.run([grasp for grasp in some() if grasp.unseen == unseen])
                 if isinstance(found, Transfer):
@@ -242,8 +242,8 @@ class _Search:
                 transfer = self._with(state, way)
                 if transfer is not None:
                     return transfer
-        for state, way in self._barred[: NARROW if Fallback.NARROW in self.asked.relaxations else 0]:
-            narrow = replace(way, margin=0.0, fallbacks=(*way.fallbacks, Fallback.NARROW))
+        for state, way in self._barred[: NARROW if Relaxation.NARROW in self.asked.relaxations else 0]:
+            narrow = replace(way, margin=0.0, fallbacks=(*way.fallbacks, Relaxation.NARROW))
             transfer = self._with(state, narrow)
             if transfer is not None:
                 return transfer
@@ -254,15 +254,15 @@ class _Search:
         steady = [place for place in self.places if not place.rolls]
         low = [place for place in steady if place.into is None and place.how not in IN_HAND]
         flat = [place.higher(self.limits.fall, self.handling.up) for place in low]
-        choices: tuple[tuple[tuple[Fallback, ...], list[Placement]], ...] = (
+        choices: tuple[tuple[tuple[Relaxation, ...], list[Placement]], ...] = (
             ((), steady),
-            ((Fallback.LET_FALL_A_LITTLE,), flat),
-            ((Fallback.WHERE_IT_ROLLS,), [place for place in self.places if place.rolls]),
+            ((Relaxation.LET_FALL_A_LITTLE,), flat),
+            ((Relaxation.WHERE_IT_ROLLS,), [place for place in self.places if place.rolls]),
         )
         for names, places in choices:
             if places:
                 yield _Way(tuple(places), False, MARGIN, names)
-                yield _Way(tuple(places), True, MARGIN, (*names, Fallback.THROUGH_GUESSES))
+                yield _Way(tuple(places), True, MARGIN, (*names, Relaxation.THROUGH_GUESSES))
 
     def _with(self, state: Reached, way: _Way) -> Transfer | None:
         """Complete a transfer in one way that starts with one reachable grasp."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from topple.planner.decide.goal import Action
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.grasp.grasp import tool_of
 from topple.planner.grasp.shape import shapes_of
 from topple.planner.verify.hand import own_bodies
@@ -42,7 +42,7 @@ def marks(replay: Replay) -> Iterator[Finding]:
     for index, step in enumerate(steps):
         again = any(later.object == step.object for later in steps[index + 1 :])
         making_room = bool(replay.plan.poses) and step.action == Action.REMOVE
-        unseen = step.unseen == (Fallback.UNSEEN in step.fallbacks)
+        unseen = step.unseen == (Relaxation.UNSEEN in step.fallbacks)
         if step.buffer != making_room or (step.buffer and not again) or not unseen:
             yield Finding(1.0, f"step {index + 1} ({step.object})", index)
 

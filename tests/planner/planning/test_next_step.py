@@ -12,7 +12,7 @@ from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.errors import NoSafePlan
-from topple.planner.fallbacks import Fallback
+from topple.planner.fallbacks import Relaxation
 from topple.planner.planning.follow import follow
 from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.order import cautious
@@ -182,7 +182,7 @@ def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
     step = chooser(scene, "free red").choose()
     gone = [("left", Action.REMOVE), ("right", Action.REMOVE)]
     assert taken(step) in gone
-    assert step.all_fallbacks[0] is Fallback.MAKE_ROOM
+    assert step.all_fallbacks[0] is Relaxation.MAKE_ROOM
     assert step.reason.startswith("it is in the way to red (cannot move red")
     for known in ({"relaxations": ("look longer",)}, {"done": gone}):
         with pytest.raises(NoSafePlan, match="cannot move red"):
