@@ -156,9 +156,8 @@ class Scene(ByValue):
         """Pickle by parts, so that a scene can go to another process."""
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
-        amounts = (dict(self.masses), dict(self.friction))
-        seen = (dict(self.models), self.matter, self.wrong_masks)
-        return (Scene, (*parts, self.assumptions, *amounts, *seen, dict(self.centres)))
+        seen = (dict(self.masses), dict(self.friction), dict(self.models), self.matter, self.wrong_masks)
+        return (Scene, (*parts, self.assumptions, *seen, dict(self.centres)))
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
