@@ -17,7 +17,7 @@ STRAIGHT = 0.02  # [m] by which a surface may rise between `FAR` and `NEAR`
 PLACES = (-2, -1, 0, 1, 2, 3)
 """[pixel] across a border: up to 0 in the nearer object's mask."""
 
-KINDS = ("lost", "of the nearer", "of the further", "between", "beyond both")
+KINDS = ("lost", "nearer", "further", "between", "beyond both")
 
 
 def border_rows(column: str, pictures: Iterable[tuple[FloatArray, IntArray]]) -> list[Row]:
@@ -33,7 +33,7 @@ def border_rows(column: str, pictures: Iterable[tuple[FloatArray, IntArray]]) ->
             counts += _counted(np.rot90(depth, turn), np.rot90(label, turn))
     shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
     return [
-        Row(f"{place:+d} px across a border: {kind}", float(share), "", column=column)
+        Row(f"{place:+d} px: {kind}", float(share), "", column=column)
         for place, row in zip(PLACES, shares, strict=True)
         for kind, share in zip(KINDS, row, strict=True)
     ]

@@ -103,10 +103,9 @@ class Floors:
             if (floor := self.floors.get(key)) is not None:
                 better = _BETTER[key[2]]
                 bar = f"{'>=' if better > 0 else '<='} {floor.floor:.4f}"
-                what = f"{key[2]}: {key[0]}, {key[1]}, scenes of every run"
-                told.append(
-                    Row(what, round(better * value + 0.0, 4), "", "when raised", floor.value, bar=bar)
-                )
+                what = f"{key[2]}: {key[0]}, {key[1]}, the 60"
+                shown, since = round(better * value + 0.0, 4), floor.raised.split()[0]
+                told.append(Row(what, shown, "", since, floor.value, bar=bar))
         return told
 
     def text(self) -> str:

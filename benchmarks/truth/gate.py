@@ -125,13 +125,13 @@ def rows(
         told += [*_seen_again(version, known, found, progress), *_bins(cases, found), *_borders(cases)]
     floors = Floors.read(FLOORS)
     of_few = {case.name for case in known}
-    kept = [case for case in cases if case.name in of_few or case.set not in SETS]
+    often = [case for case in cases if case not in masked or case.view in ALWAYS_MASKED]
+    kept = [case for case in often if case.name in of_few or case.set not in SETS]
     if write:
         chance |= _chance_of_masked(masked, found, chance)
         floors = floors.raised(_values(kept, found), chance, version.name)
         write_whole(FLOORS, floors.text())
-    told += floors.rows(_values(kept, found))
-    documents = [row.to_json() for row in told]
+    documents = [row.to_json() for row in (*told, *floors.rows(_values(kept, found)))]
     if against is not None:
         documents += _compared(version, of_commit(against, FOLDER / "versions"), cases, found, progress)
     return documents
@@ -227,7 +227,7 @@ def _jitter(
             if variant in FREEING or key[2] not in OF_TARGETS:
                 lowest[key] = min(lowest[key], value)
     told = [
-        Row(f"moved at most by jitter: {figure}, {which}", base[key] - lowest[key], "", column=view)
+        Row(f"jitter: {figure}, {which}", base[key] - lowest[key], "", column=view)
         for key in base
         for which, view, figure in [key]
     ]
@@ -312,7 +312,7 @@ def _bins(cases: Sequence[Case], found: Answers) -> list[Row]:
             signs = [sign for chance, sign in every if low <= chance < high or chance == high == 1.0]
             if signs and which == POOL:
                 low_held, high_held = (share / 100 for share in share_interval(sum(signs), len(signs)))
-                what = f"true of dependencies told with {low:g} to {high:g}: {view}, {len(signs)}"
+                what = f"true, told with {low:g} to {high:g}: {view}, {len(signs)}"
                 told.append(Row(what, sum(signs) / len(signs), "", interval=(low_held, high_held)))
     return told
 
