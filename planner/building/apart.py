@@ -41,7 +41,7 @@ def taking_apart(
         order, holds, hooked, proven = list(steps), list[Hold](), list[tuple[str, ...]](), True
         for part in groups if hands is None else [steps]:
             begin = steps.index(part[0])
-            falling = _falling(falls(), situation, full, frozenset(part), frozenset(steps[:begin]))
+            falling = _falling_of(falls(), situation, full, frozenset(part), frozenset(steps[:begin]))
             units, found = removals(part, over, falling, meeting, clamped & frozenset(part))
             taken = [units[k] for k in found.path]
             order[begin : begin + len(part)] = [name for unit in taken for name in unit]
@@ -110,7 +110,7 @@ def held(
     return Hold(name, since, until, edge.sentence(), edge.evidence)
 
 
-def _falling(
+def _falling_of(
     falls: Falling, situation: Situation, full: DependencyGraph, part: Names, earlier: Names
 ) -> Falling:
     """What falls of a part while it is taken apart, and did not before it was touched."""

@@ -130,7 +130,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
         unresolved=(),
         risk=FrozenDict(_risks(steps, holds, chances)),
         assumptions=(*scene.assumptions, *assumptions(seen.scene, seen.statics), *_unsteady(statics)),
-        explanation=_explained(steps, holds, groups, graph),
+        explanation=_explain(steps, holds, groups, graph),
         chances=FrozenDict({(then, first): chance for (first, then), chance in chances.items()}),
         holds=tuple(holds),
         proven=proven,
@@ -147,10 +147,10 @@ def _unsteady(statics: Statics) -> tuple[str, ...]:
     """What does not stand in the finished arrangement, as far as its weights are known."""
     found = [name for name, missing in statics.unexplained.items() if missing > UNSTEADY]
     said = [f"{name} stands in the whole arrangement, though its contacts do not show how" for name in found]
-    return (*said, *_propped(statics))
+    return (*said, *_hidden_props(statics))
 
 
-def _propped(statics: Statics) -> list[str]:
+def _hidden_props(statics: Statics) -> list[str]:
     """What would fall but for a contact that was not seen, of bodies that cameras did not hide parts of."""
     seen = [contact for contact in statics.contacts if not contact.inferred]
     if statics.sight is not None or len(seen) == len(statics.contacts):
@@ -174,7 +174,7 @@ def _risks(
     }
 
 
-def _explained(
+def _explain(
     steps: Sequence[str],
     holds: Sequence[Hold],
     groups: Sequence[tuple[str, ...]],

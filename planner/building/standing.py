@@ -29,7 +29,7 @@ def falling_in(statics: Statics) -> Falling:
     """
     every = frozenset(statics.upright.movable)
     centred = {n: replace(weight, centre=_centre(n, statics)) for n, weight in statics.weights.items()}
-    shaken = [_weighing(statics, centred, shift) for shift in aside(OFF_CENTRE)]
+    shaken = [_with_weights(statics, centred, shift) for shift in aside(OFF_CENTRE)]
 
     @cache
     def falling(placed: Names, held: Names) -> Names:
@@ -65,7 +65,7 @@ def _centre(name: str, statics: Statics) -> FloatArray:
     return Body.of(name, [statics.surfaces[name]], mass=1.0).centre_of_mass
 
 
-def _weighing(statics: Statics, weights: dict[str, Weight], shift: FloatArray) -> Statics:
+def _with_weights(statics: Statics, weights: dict[str, Weight], shift: FloatArray) -> Statics:
     """The same with other weights, their centres shifted."""
     there = {name: replace(weight, centre=weight.centre + shift) for name, weight in weights.items()}
     left_open = deficits(there, within_reach(statics.contacts, there))

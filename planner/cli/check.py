@@ -91,7 +91,7 @@ def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any])
         if "played" in document:
             _show_played(document["played"], path)
             headings.append(f"moved on {document['played']['engine']}")
-            cells = [(*row, _moved(document["played"], row[0])) for row in cells]
+            cells = [(*row, _distance_words(document["played"], row[0])) for row in cells]
         print_table(headings, cells, right=(3, 4, 5))
         print_assumptions(document["assumptions"])
     return _code(document)
@@ -104,7 +104,7 @@ def _show_played(played: dict[str, Any], path: str) -> None:
     print_text(f"{path}: {played['seconds']:g} s on {played['engine']} say {told}")
 
 
-def _moved(played: dict[str, Any], name: str) -> str:
+def _distance_words(played: dict[str, Any], name: str) -> str:
     """How far an object got in simulation, marked where statics says otherwise."""
     moved = played["moved"][name]
     mark = " !" if name in played["disagreeing"] else ""

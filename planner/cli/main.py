@@ -160,12 +160,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         complain(f"{error.filename or 'output'}: {error.strerror or error}")
         return WRONG_USE
     except Exception as error:  # what nobody foresaw: a fault of topple, told apart from a refusal
-        complain(_crashed(error, arguments))
+        complain(_report_crash(error, arguments))
         return CRASHED
     return code
 
 
-def _crashed(error: Exception, arguments: list[str]) -> str:
+def _report_crash(error: Exception, arguments: list[str]) -> str:
     """One line for a fault of topple, its trace written down."""
     import tempfile
     import traceback

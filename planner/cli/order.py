@@ -78,11 +78,11 @@ def execute(args: argparse.Namespace) -> int:
     options["robot"] = arm_of(args) if args.robot else None
     scene_paths(args)  # which may be among the names of --fixed and --target
     reading = Reading.of(args)
-    ask: _Ask = partial(_ordered, args.target, args.next_view, options)
+    ask: _Ask = partial(_remove, args.target, args.next_view, options)
     if args.build:
         ask = _built
     elif args.to:
-        ask = partial(_moved, reading, args.to, args.match)
+        ask = partial(_moves, reading, args.to, args.match)
     elif orderer is not None:
         ask = partial(_ordered_by, orderer, args.target, args.seed)
     work = partial(_answer, reading, relating, ask)
@@ -118,7 +118,7 @@ def _answer(
     return reading.said(scene, answer)
 
 
-def _ordered(target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation") -> _Asked:
+def _remove(target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation") -> _Asked:
     """The order in which things are taken, and from where to look next."""
     from topple.planner.planning.next_view import with_next_view
     from topple.planner.planning.order import order
@@ -142,7 +142,7 @@ def _built(situation: "Situation") -> _Asked:
     return build_order(situation).to_json(), ()
 
 
-def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Asked:
+def _moves(reading: Reading, goal: str, match: str, situation: "Situation") -> _Asked:
     """The order in which things are moved until they lie as in another scene."""
     from topple.planner.rearranging.rearrange import rearrange
 

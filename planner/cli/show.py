@@ -34,7 +34,7 @@ def execute(args: argparse.Namespace) -> int:
     from topple.topology.relations.relate import relate
 
     (path,) = scene_paths(args, many=False)
-    place = _output(args.output, path)
+    place = _output_path(args.output, path)
     relating = rule_of(args) or relate
     with Progress("show") as progress:
         progress(f"1 of 3: reading {path}")
@@ -47,7 +47,7 @@ def execute(args: argparse.Namespace) -> int:
             raise InvalidInput(
                 f"{path}: {place.suffix} shows an order, and which way is up is not known: --up 0 0 1"
             )
-        write_whole(place, _drawn(place, Path(path).name, scene, relations, order, progress))
+        write_whole(place, _draw(place, Path(path).name, scene, relations, order, progress))
     if args.json:
         document = {"format": "topple.show", "format_version": 1, "scene": path, "file": str(place)}
         print_json({**document, "ordered": order is not None, **models_in(scene)})
@@ -61,7 +61,7 @@ def execute(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _output(given: str | None, scene: str) -> Path:
+def _output_path(given: str | None, scene: str) -> Path:
     place = Path(given or f"{Path(scene).resolve().stem}.html")
     if place.suffix.lower() not in _KINDS:
         raise InvalidInput(
@@ -84,7 +84,7 @@ def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> 
     return order(scene, args.target, seed=args.seed, relations=relations).to_json()
 
 
-def _drawn(
+def _draw(
     place: Path,
     title: str,
     scene: "Scene",

@@ -339,12 +339,12 @@ def _explain(
             doubted = max(later, key=lambda other: chances.get((name, other), 0.0))
             say += f": taking {doubted} might move it ({chances.get((name, doubted), 0.0):.2f})"
         if group is not None and name == group[0]:
-            say += f" ({_held(group, graph, [h.sentence(steps) for h in holds if h.object in group])})"
+            say += f" ({_cycle_words(group, graph, [h.sentence(steps) for h in holds if h.object in group])})"
         sentences.append(say)
     return tuple(sentences)
 
 
-def _held(group: Sequence[str], graph: DependencyGraph, holds: Sequence[str]) -> str:
+def _cycle_words(group: Sequence[str], graph: DependencyGraph, holds: Sequence[str]) -> str:
     """A cycle in words: what holds what, the edge one would rather doubt, and what to do."""
     inside = [e for e in graph.dependencies if e.first in group and e.then in group]
     weakest = min(inside, key=lambda e: (e.confidence, e.first, e.then))

@@ -30,13 +30,13 @@ def assumptions(scene: "Scene", statics: Statics) -> tuple[str, ...]:
         Sentences: no fixed object, objects below the table, in it, or carried by nothing, overlapping clouds;
         weights and friction that were not given, and weights that cannot be true.
     """
-    said = list(_unfixed(scene))
+    said = list(_nothing_fixed(scene))
     for name in statics.upright.movable:
         if statics.surfaces[name][:, 2].max() < statics.upright.floor - BELOW:
             said.append(f"{name} lies below the table's surface")
         elif statics.unexplained.get(name, 0.0) > 0.5:
             said.append(f"nothing seen carries {name}: it is taken to be held by something no camera saw")
-    return (*said, *_sunk(statics), *_overlaps(statics), *_heavy(scene, statics), *_unknown(scene))
+    return (*said, *_sunk(statics), *_overlaps(statics), *_heavy(scene, statics), *_unknown_amounts(scene))
 
 
 def _heavy(scene: "Scene", statics: Statics) -> tuple[str, ...]:
@@ -52,7 +52,7 @@ def _heavy(scene: "Scene", statics: Statics) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _unknown(scene: "Scene") -> tuple[str, ...]:
+def _unknown_amounts(scene: "Scene") -> tuple[str, ...]:
     """Weights and friction that were not given."""
     said: list[str] = []
     unweighed = [name for name in scene.movable if name not in scene.masses]
@@ -90,7 +90,7 @@ def _sunk(statics: Statics) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _unfixed(scene: "Scene") -> tuple[str, ...]:
+def _nothing_fixed(scene: "Scene") -> tuple[str, ...]:
     if scene.fixed:
         return ()
     return ("no object is fixed: the lowest objects are taken to stand on a floor at their lowest point",)

@@ -76,7 +76,7 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
     statics = situation.statics
     seen, touching = statics.upright.clouds, statics.touching
     outwards = {then: situation.outwards(then) for then in situation.movable}
-    over, unheld = _hanging(statics, outwards), _unheld(statics)
+    over, unheld = _overhangs(statics, outwards), _unheld_shares(statics)
     depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
     place = {name: k for k, name in enumerate(situation.movable)}
     together = {pair for part in {*situation.islands.values()} for pair in permutations(part, 2)}
@@ -121,7 +121,7 @@ def without_cascades(
     return {**asked} | {pair: replace(asked[pair], unheld=0.0) for pair in thrown}
 
 
-def _unheld(statics: Statics) -> dict[str, dict[str, float]]:
+def _unheld_shares(statics: Statics) -> dict[str, dict[str, float]]:
     """Without `then`, by `first`: the share of its weight that nothing carries, as `Disturbance` has it."""
     names = statics.upright.movable
     if statics.sight is None:
@@ -159,7 +159,7 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     return {name: far for name, far in lost.items() if name not in freed or name in unheld}
 
 
-def _hanging(statics: Statics, outwards: Mapping[str, FloatArray]) -> dict[Pair, Overlap]:
+def _overhangs(statics: Statics, outwards: Mapping[str, FloatArray]) -> dict[Pair, Overlap]:
     """(first, then) -> how first hangs over then, where no board that never moves is between them."""
     surfaces, movable = statics.surfaces, statics.upright.movable
     stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in movable}

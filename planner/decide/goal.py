@@ -215,13 +215,13 @@ def clauses_in(text: str, scene: "Scene") -> list[str]:
 def _read_clause(clause: str, scene: "Scene", free: list[str], empty: list[str], places: list[Place]) -> None:
     """Add what one clause asks for."""
     if clause == "sort" and "sort" not in scene.clouds:
-        places.extend(_sorted(scene))
+        places.extend(_sort_places(scene))
         return
     verb, _, rest = clause.partition(" ")
     if verb == "free" and rest:
         free.append(_movable(rest, scene))
     elif verb == "empty" and rest:
-        empty.append(_known(rest, scene))
+        empty.append(_known_name(rest, scene))
     elif re.search(r"\s(within|in|on)\s", clause):
         places.extend(_chain(clause, scene))
     else:
@@ -232,7 +232,7 @@ def _chain(clause: str, scene: "Scene") -> list[Place]:
     """Placements of "A on B on C" or "A within B"."""
     words = re.split(r"\s(within|in|on)\s", clause)
     names, links = words[0::2], words[1::2]
-    names = [_known(name.strip(), scene) for name in names]
+    names = [_known_name(name.strip(), scene) for name in names]
     found: list[Place] = []
     for upper, link, lower in zip(names, links, names[1:], strict=False):
         if upper == lower:
@@ -243,7 +243,7 @@ def _chain(clause: str, scene: "Scene") -> list[Place]:
     return found
 
 
-def _sorted(scene: "Scene") -> list[Place]:
+def _sort_places(scene: "Scene") -> list[Place]:
     """Every object into the bin of its kind; the longest kind that fits wins."""
     bins = sorted((n for n in scene.clouds if n.startswith(BIN)), key=len, reverse=True)
     if not bins:
@@ -291,14 +291,14 @@ def _in_order(text: str, places: Sequence[Place]) -> tuple[Place, ...]:
     return tuple(sorted(unique, key=lambda p: rank[p.object]))
 
 
-def _known(name: str, scene: "Scene") -> str:
+def _known_name(name: str, scene: "Scene") -> str:
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
     return name
 
 
 def _movable(name: str, scene: "Scene") -> str:
-    if _known(name, scene) in scene.fixed:
+    if _known_name(name, scene) in scene.fixed:
         raise InvalidInput(
             f"{name!r} is fixed and never moves: name one of {', '.join(scene.movable) or 'nothing'}"
         )

@@ -46,7 +46,7 @@ def overlooked(statics: Statics, cameras: int) -> dict[Pair, float]:
     Returns:
         (first, then) -> 0..1 for every ordered pair of movable objects.
     """
-    rates = _counted()[view_of(cameras)]["overlooked"]
+    rates = _counted_rates()[view_of(cameras)]["overlooked"]
     return {pair: rates[row][column] for pair, (row, column) in standing(statics).items()}
 
 
@@ -82,11 +82,11 @@ def likelihoods(cameras: int | None, steady: bool) -> Rates:
         cameras: How many cameras saw the scene; None for whole surfaces.
         steady: Whether both rebuilt bodies stood still by themselves.
     """
-    return _counted()[view_of(cameras or 0)]["steady" if steady else "shaky"]
+    return _counted_rates()[view_of(cameras or 0)]["steady" if steady else "shaky"]
 
 
 @cache
-def _counted() -> Mapping[str, Mapping[str, Rates]]:
+def _counted_rates() -> Mapping[str, Mapping[str, Rates]]:
     kept = files("topple.planner.decide").joinpath("rates.json").read_bytes()
     return msgspec.json.decode(kept, type=_Kept)["rates"]
 

@@ -23,7 +23,7 @@ def take(world: PhysicalWorld, name: str) -> tuple[str, ...]:
     before = world.poses()
     lift(world, name)
     world.remove(name)
-    return _disturbed(world, name, before)
+    return _settle_and_judge(world, name, before)
 
 
 def put(world: PhysicalWorld, name: str, where: str) -> tuple[str, ...]:
@@ -47,10 +47,10 @@ def put(world: PhysicalWorld, name: str, where: str) -> tuple[str, ...]:
     pose[:3, 3] += middle - own.mean(axis=0)
     pose[2, 3] = before[name][2, 3] + top + CLEARANCE - float(own[:, 2].min())
     world.place(name, pose)
-    return _disturbed(world, name, before)
+    return _settle_and_judge(world, name, before)
 
 
-def _disturbed(world: PhysicalWorld, name: str, before: Mapping[str, FloatArray]) -> tuple[str, ...]:
+def _settle_and_judge(world: PhysicalWorld, name: str, before: Mapping[str, FloatArray]) -> tuple[str, ...]:
     """Wait until all is at rest, take out what fell off the table, and name what else was disturbed."""
     world.settle(SETTLE)
     after = world.poses()

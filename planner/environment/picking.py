@@ -103,7 +103,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         self._taken, self._steps = set(), 0
         rng = np.random.default_rng(int(self.np_random.integers(SEEDS)))
         self._eyes = Observer(stage.world, stage.cameras[: self._cameras], rng, stage.fixed, stage.up)
-        self._situation = self._looked()
+        self._situation = self._look()
         self._goal = parse_goal(stage.goal, self._whole(stage))
         self._shown = self._observation()
         return deepcopy(self._shown), {"names": self._names, "goal": stage.goal, "scene": number}
@@ -132,7 +132,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
             else:
                 disturbed = take(stage.world, name)
                 self._taken.add(name)
-            self._situation = self._looked()
+            self._situation = self._look()
             self._shown = self._observation()
         reached = allowed and self._reached(stage)
         lost = any(
@@ -171,7 +171,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         rest = replace(self._goal, free=())  # what is free is out of the world
         return not truly_unmet(rest, stage.world, stage.up)
 
-    def _looked(self) -> Situation | None:
+    def _look(self) -> Situation | None:
         """What is seen now; None where nothing that moves is."""
         stage = self._stage
         if stage is None or not stage.world.movable:

@@ -64,10 +64,10 @@ def matched(
     Returns:
         Label -> name of what is matched, each name once.
     """
-    names = _assigned(seen, remembered, apart, STAYED)
+    names = _assign(seen, remembered, apart, STAYED)
     left = {label: cloud for label, cloud in seen.items() if label not in names}
     lost = {name: remembered[name] for name in gone if name not in names.values()}
-    return names | _assigned(left, lost, _unlike, ELSEWHERE)
+    return names | _assign(left, lost, _unlike, ELSEWHERE)
 
 
 def seen_through(cloud: FloatArray, images: Sequence[DepthImage]) -> BoolArray:
@@ -75,7 +75,7 @@ def seen_through(cloud: FloatArray, images: Sequence[DepthImage]) -> BoolArray:
     return np.any([image.depth_past(cloud) > SEEN_THROUGH for image in images], axis=0)
 
 
-def _assigned(
+def _assign(
     seen: Mapping[str, FloatArray],
     remembered: Mapping[str, FloatArray],
     cost: Callable[[FloatArray, FloatArray], float],

@@ -35,7 +35,7 @@ def truly_unmet(goal: Goal, world: PhysicalWorld, up: FloatArray) -> tuple[str, 
     burdened = [
         f"{name} is not free: it carries {other}" for name in goal.free for other in _carried_by(name, state)
     ]
-    missing = [f"{p.object} is not {p.how} {p.where}" for p in goal.places if not _attained(p, state)]
+    missing = [f"{p.object} is not {p.how} {p.where}" for p in goal.places if not _is_attained(p, state)]
     left = [
         f"{name} is still in {container}"
         for container in goal.empty
@@ -45,7 +45,7 @@ def truly_unmet(goal: Goal, world: PhysicalWorld, up: FloatArray) -> tuple[str, 
     return (*gone, *burdened, *missing, *left)
 
 
-def _attained(place: Place, state: State) -> bool:
+def _is_attained(place: Place, state: State) -> bool:
     """Whether a thing is where it shall be."""
     if not {place.object, place.where} <= set(state.names):
         return False

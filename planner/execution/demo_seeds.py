@@ -83,10 +83,10 @@ def document(counts: Mapping[str, SeedCount], made: Mapping[str, Any]) -> dict[s
 def text(document: Mapping[str, Any]) -> str:
     """The document as JSON, a scene's seeds on one line."""
     lines = json.dumps(document, indent=1).splitlines()
-    return _joined(lines) + "\n"
+    return _join_numbers(lines) + "\n"
 
 
-def _joined(lines: Sequence[str]) -> str:
+def _join_numbers(lines: Sequence[str]) -> str:
     """Lines of indented JSON with lists of numbers on one line."""
     found: list[str] = []
     for line in lines:

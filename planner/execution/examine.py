@@ -137,13 +137,13 @@ def examine(
     elif not INSTALLED:
         untried = str(NotInstalled("simulation needs an engine", "mujoco"))
     else:
-        grasped = _grasped(arm, tool, seed, say)
+        grasped = _try_grasp(arm, tool, seed, say)
     asked = len(reached) if tool is not None else 0
     still = tuple(_still(arm))
     return Examined(arm, still, reach_of(arm, tool), float(free.mean()), asked, solved, grasped, untried)
 
 
-def _grasped(arm: Arm, tool: str, seed: int, say: Callable[[str], None]) -> Grasped:
+def _try_grasp(arm: Arm, tool: str, seed: int, say: Callable[[str], None]) -> Grasped:
     """Take the object of a trial by an engine's contacts and friction alone."""
     from topple.planner.execution.run import run
 

@@ -105,7 +105,7 @@ class Judge:
         """Say what the action did."""
         self._robot.on_step.remove(self._track_height)
         before, now, handled = self._before, self._world.poses(), self._handled
-        touched = self._touched()
+        touched = self._stray_touches()
         wrong = [*violations(before, now, handled), *hits(touched)]
         fallen = self._highest - self._height() if self._missed else 0.0
         dropped = fallen > LIMITS.drop
@@ -140,7 +140,7 @@ class Judge:
         drop = max(0.0, float(((before - now) @ middle)[:3] @ self._up))
         return drop, body.mass * GRAVITY * drop
 
-    def _touched(self) -> dict[str, Touch]:
+    def _stray_touches(self) -> dict[str, Touch]:
         """What an arm touched that it was not to handle, by name."""
         return {
             name: touch

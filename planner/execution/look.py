@@ -166,11 +166,11 @@ class Observer:
             if names:
                 images = tuple(renamed(image, names) for image in images)
                 scene, faults = self._scene(images), (*faults, *wrong.values())
-            scene, surprises = _joined(scene, expected)
-            kept = tuple(image for each in kept if (image := _unmoved(each, self._last, expected, surprises)))
+            scene, surprises = _join_remembered(scene, expected)
+            kept = tuple(image for each in kept if (image := _strip(each, self._last, expected, surprises)))
             if kept:
                 images = (*images, *kept)
-                scene, _ = _joined(self._scene(images), expected)
+                scene, _ = _join_remembered(self._scene(images), expected)
         self._kept = (*kept, *more)
         if self.robots is not None:
             own = (r.arm.bodies(r.q_target, r.pose_base_to_world, r.tool_state) for r in self.robots)
@@ -178,7 +178,7 @@ class Observer:
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
         relations = None if self.relate is None else self.relate(scene)
-        shown = _seen(images[0]) if photo is None else picture(photo.rgb)
+        shown = _picture_bytes(images[0]) if photo is None else picture(photo.rgb)
         return Look(images, Situation(scene, relations), shown, surprises, faults, photo, taken)
 
     def glimpse(self) -> Sequence[DepthImage]:
@@ -191,10 +191,10 @@ class Observer:
 
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
-        return _thinned(Scene.from_images(images, fixed=fixed, up=self.up, unnamed=False))
+        return _thin_scene(Scene.from_images(images, fixed=fixed, up=self.up, unnamed=False))
 
 
-def _unmoved(
+def _strip(
     image: DepthImage, last: Scene | None, now: Scene, surprises: Collection[str]
 ) -> DepthImage | None:
     """A picture from before without what was moved since, or is not as expected; None if nothing is left."""
@@ -212,7 +212,7 @@ def _unmoved(
     return replace(image, depth=depth, label=label, names=names)
 
 
-def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
+def _join_remembered(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
     """What is seen with what is remembered, and how it differs from what was expected."""
     new = [name for name in seen.names if name not in expected.names]
     said = {name: f"{name} is seen for the first time" for name in new}
@@ -221,7 +221,7 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
     for name, cloud in expected.clouds.items():
         if name in clouds:
             way = float(np.linalg.norm(middle(clouds[name]) - middle(cloud)))
-            if way > MOVED and name not in fixed and _moved(clouds[name], cloud):
+            if way > MOVED and name not in fixed and _has_moved(clouds[name], cloud):
                 said[name] = f"{name} is {1e3 * way:.0f} mm from where it should be"
         elif name in expected.fixed:
             clouds[name], fixed = cloud, fixed | {name}
@@ -255,7 +255,7 @@ def _among(values: Mapping[str, float], scene: Scene) -> dict[str, float]:
     return {name: value for name, value in values.items() if name in scene.clouds}
 
 
-def _moved(now: FloatArray, before: FloatArray) -> bool:
+def _has_moved(now: FloatArray, before: FloatArray) -> bool:
     """Whether much of a cloud lies where there was nothing of it before, or the other way round.
 
     An object of which other sides are seen now has not moved.
@@ -298,11 +298,11 @@ def unexpected(predicted: Relations, observed: Relations) -> list[str]:
     return found
 
 
-def _seen(image: DepthImage) -> bytes | None:
+def _picture_bytes(image: DepthImage) -> bytes | None:
     return None if image.rgb is None else picture(image.rgb)
 
 
-def _thinned(scene: Scene) -> Scene:
+def _thin_scene(scene: Scene) -> Scene:
     """The scene without strays, and with as many points as decisions need: a table comes with 300 000."""
     for name, cloud in scene.clouds.items():
         cloud = thinned(cloud, FINE)

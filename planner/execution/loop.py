@@ -284,14 +284,14 @@ class ClosedLoop:
             ArmFault: The arm does not let go, or is not where it should be.
         """
         started, name, look = time.perf_counter(), chosen.transfer.object, self._look
-        events = [*self._said, *self._announced(chosen)]
+        events = [*self._said, *self._announce(chosen)]
         grip = chosen.grip or self._arms.grip
         self.judge.begin(chosen.transfer, None if grip is None else grip.object, chosen.by_second)
         self._selector.prepare(look, chosen, goal)
         waited = time.perf_counter() - max(look.taken, self._started)
         outcome, expected = self._carried_out(look, chosen)
         verdict, attempts = self.judge.verdict(), self._selector.record_action(chosen, outcome)
-        events += self._learned(chosen, outcome)
+        events += self._learn(chosen, outcome)
         seen = without(self.perception.look(expected), self._gone)
         if outcome.success and not (seen.surprises or seen.faults):
             self._selector.preparer.prove(seen.scene)
@@ -336,7 +336,7 @@ class ClosedLoop:
             raise ArmFault(self._stuck.rstrip("."))
         self._check_place()
 
-    def _announced(self, chosen: NextStep) -> list[str]:
+    def _announce(self, chosen: NextStep) -> list[str]:
         """Says what a step changes, then which it is: on a terminal the line that counts stays."""
         done = len(self.followed)
         events = [] if self._arms.queued else self._selector.changes(chosen)  # of an order that was begun
@@ -370,7 +370,7 @@ class ClosedLoop:
         self.robot.wait(self.limits.settle)
         return outcome, foreseen.scene
 
-    def _learned(self, chosen: NextStep, outcome: Outcome) -> list[str]:
+    def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
         """Takes down what was done; says what follows where it failed."""
         if outcome.success:
             self.followed.append(chosen)

@@ -27,7 +27,7 @@ def misnamed(seen: Scene, expected: Scene) -> tuple[dict[str, str], dict[str, st
     Returns:
         The names to put right, name -> what it should be; and what was wrong, in sentences by the right name.
     """
-    swapped = _swapped(seen, expected)
+    swapped = _swapped_names(seen, expected)
     said = {
         right: f"the mask of {right} was named {name}: names are swapped" for name, right in swapped.items()
     }
@@ -54,7 +54,7 @@ def renamed(image: DepthImage, names: Mapping[str, str]) -> DepthImage:
     return replace(image, label=label, names={number: name for name, number in numbers.items()})
 
 
-def _swapped(seen: Scene, expected: Scene) -> dict[str, str]:
+def _swapped_names(seen: Scene, expected: Scene) -> dict[str, str]:
     """Names of which each is seen where and as what another of them was."""
     moved = [
         name

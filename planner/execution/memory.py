@@ -48,7 +48,7 @@ class Memory:
             if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
                 attempts = Counter[str]()  # what could not be taken may be now that this is out of its way
             done = (*self.done, (name, str(chosen.action)))
-            return replace(self, done=done, attempts=attempts, tried=tried, placed=self._placed(chosen))
+            return replace(self, done=done, attempts=attempts, tried=tried, placed=self._grasps(chosen))
         if stuck:
             return replace(self, attempts=attempts, tried=tried)
         failed = dict(self.failed)
@@ -57,7 +57,7 @@ class Memory:
                 failed[one.object] = (*failed.get(one.object, ()), one.grasp)
         return replace(self, attempts=attempts, tried=tried, failed=failed)
 
-    def _placed(self, chosen: NextStep) -> Mapping[str, tuple[Grasp, ...]]:
+    def _grasps(self, chosen: NextStep) -> Mapping[str, tuple[Grasp, ...]]:
         """The grasps by which things were put where they shall be, after one more step."""
         transfer, name = chosen.transfer, chosen.transfer.object
         others = {other: some for other, some in self.placed.items() if other != name}

@@ -87,7 +87,7 @@ class Rehearsal:
             InvalidInput: The scene does not know up, or nothing flat and level in it is fixed.
             NoBase: The arm reaches nothing from anywhere.
         """
-        table, to_world = _levelled(scene)
+        table, to_world = _level_table(scene)
         statics = Statics.of(in_frame(scene, to_world, Z))
         to_world[:3] = statics.upright.rotation @ to_world[:3]  # bodies are rebuilt along the table's sides
         level = in_frame(scene, to_world, Z)
@@ -95,7 +95,7 @@ class Rehearsal:
         pose_base = choose_base(level, arm) if given is None else to_world @ as_pose(given, "base")
         world = new_world()
         try:
-            rebuilt = _coloured(rebuild(statics), level)
+            rebuilt = _colour(rebuild(statics), level)
             rebuilt = replace(rebuilt, grounds=tuple(b for b in rebuilt.grounds if b.name != table))
             ground, more = _taken_apart(level, table)
             low, high = ground[:, :2].min(axis=0) - EDGE, ground[:, :2].max(axis=0) + EDGE
@@ -125,7 +125,7 @@ class Rehearsal:
         return cls(world, cameras, pose_base, to_world, given is None, sagged, fixture)
 
 
-def _coloured(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:
+def _colour(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:
     """The same bodies in the colours that pages and graphs give them, to be told apart in pictures."""
     shares = {name: np.divide(rgb, 255.0) for name, rgb in object_colours(scene.names, scene.fixed).items()}
     bodies = {
@@ -154,7 +154,7 @@ def _taken_apart(level: Scene, table: str) -> tuple[FloatArray, list[FloatArray]
     return ground, [part for part in fixed_parts(cloud, up) if part[:, 2].max() > EDGE]
 
 
-def _levelled(scene: Scene) -> tuple[str, FloatArray]:
+def _level_table(scene: Scene) -> tuple[str, FloatArray]:
     """The table's name and the (4, 4) pose_scene_to_world that lays it at height 0 under the objects."""
     up = up_of(scene)
     tables = {name: tops_of(scene.clouds[name], up).tops for name in sorted(scene.fixed)}

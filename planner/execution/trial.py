@@ -79,7 +79,7 @@ def trial(arm: Arm, tool: str) -> Trial | None:
     """
     side = min(TRIAL_BLOCK, arm.tool(tool).gripper.widest)
     for place, bearing in _places(arm, tool, side):
-        if _reached(arm, tool, found := Trial(side, place), bearing):
+        if _is_reached(arm, tool, found := Trial(side, place), bearing):
             return found
     return None
 
@@ -104,7 +104,7 @@ def _places(arm: Arm, tool: str, side: float) -> Iterator[tuple[Place, float]]:
         yield (float(x), float(y), level), bearing
 
 
-def _reached(arm: Arm, tool: str, tried: Trial, bearing: float) -> bool:
+def _is_reached(arm: Arm, tool: str, tried: Trial, bearing: float) -> bool:
     """Whether the hand gets to the block from above, over it, and to both sides of it, free of all else."""
     corners = np.array(list(product((-0.5, 0.5), (-0.5, 0.5), (-1.0, 0.0))))
     table = corners * [TRIAL_TABLE, TRIAL_TABLE, 0.02] + np.array(tried.place)

@@ -94,7 +94,7 @@ class TwoArms:
             if np.abs(other.q_target - np.asarray(other.arm.home)).max() > AT_HOME:
                 said = "the other arm found no way home, and this one holds on."
                 return Outcome(False, said, np.zeros((0, 3)), stuck=True)
-        return execute(chosen.transfer, acting, self._releasing(chosen, watch), monitor)
+        return execute(chosen.transfer, acting, self._release_watch(chosen, watch), monitor)
 
     def finish(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
         """Bring home the arm that acted, and go on with a hold, or end it: as decided, or since it failed.
@@ -130,7 +130,7 @@ class TwoArms:
         self._home(other, solids)
         return outcome
 
-    def _releasing(self, chosen: NextStep, watch: Watch) -> Watch:
+    def _release_watch(self, chosen: NextStep, watch: Watch) -> Watch:
         """What looks on, and has a fixture let go of the object as soon as the hand has closed on it."""
 
         def watching(moment: str, tool: str) -> None:

@@ -36,14 +36,14 @@ def graphml(plan: Plan) -> str:
 def dot(plan: Plan) -> str:
     """The step graph in Graphviz's language."""
     graph = step_graph(plan)
-    lines = ["digraph plan {", f"  label={_quoted(plan.goal)};", "  rankdir=LR; node [shape=box];"]
+    lines = ["digraph plan {", f"  label={_quote(plan.goal)};", "  rankdir=LR; node [shape=box];"]
     for name, data in graph.nodes(data=True):
-        lines.append(f"  {_quoted(name)} [label={_quoted(data['action'] + ' ' + data['object'])}];")
+        lines.append(f"  {_quote(name)} [label={_quote(data['action'] + ' ' + data['object'])}];")
     for first, then, data in graph.edges(data=True):
-        lines.append(f"  {_quoted(first)} -> {_quoted(then)} [label={_quoted(data['reason'])}];")
+        lines.append(f"  {_quote(first)} -> {_quote(then)} [label={_quote(data['reason'])}];")
     return "\n".join([*lines, "}"]) + "\n"
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ")
     return f'"{escaped}"'

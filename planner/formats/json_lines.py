@@ -39,7 +39,7 @@ class JsonLines(ABC):
         try:
             self._file = os.open(path, os.O_CREAT | os.O_RDWR | os.O_APPEND | os.O_CLOEXEC, 0o666)
         except OSError as error:
-            raise self._refused(error) from error
+            raise self._as_invalid(error) from error
         self.close = weakref.finalize(self, os.close, self._file)
         try:
             if not stat.S_ISREG(os.fstat(self._file).st_mode):
@@ -54,7 +54,7 @@ class JsonLines(ABC):
                 self._write(b"\n")
         except (OSError, UnicodeDecodeError) as error:
             self.close()
-            raise self._refused(error) from error
+            raise self._as_invalid(error) from error
         except BaseException:
             self.close()
             raise
@@ -85,7 +85,7 @@ class JsonLines(ABC):
         try:
             self._write((json.dumps(entry) + "\n").encode())
         except OSError as error:
-            raise self._refused(error) from error
+            raise self._as_invalid(error) from error
 
     def _read(self, line: str, number: int) -> None:
         try:
@@ -110,7 +110,7 @@ class JsonLines(ABC):
         except OSError:  # a network's file system without locks
             return
 
-    def _refused(self, error: Exception) -> InvalidInput:
+    def _as_invalid(self, error: Exception) -> InvalidInput:
         return InvalidInput(f"{self.path}: cannot keep results there ({error}): give another file")
 
     def _refusal(self, number: int, reason: Exception) -> InvalidInput:

@@ -120,7 +120,7 @@ class ArmData(msgspec.Struct, frozen=True):
 def arm_data(arm: "Arm") -> ArmData:
     """An arm as data."""
     return ArmData(
-        urdf=_named(arm.source),
+        urdf=_name_file(arm.source),
         sha256=_digest(arm.source),
         catalog=arm.catalog,
         joints=list(arm.joints),
@@ -187,7 +187,7 @@ def _tool_data(tool: Tool) -> ToolData:
     return msgspec.convert({**frame, **tool.gripper.data()}, ToolData)
 
 
-def _named(path: Path) -> str:
+def _name_file(path: Path) -> str:
     """A file by the package that ships it, or else by its path."""
     path = path.resolve()
     for folder in sys.path:

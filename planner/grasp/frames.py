@@ -44,12 +44,12 @@ def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int 
     for origin in _places(points, surface.centre, up, count):
         around = np.linalg.norm(flat - (origin - up * float(origin @ up)), axis=1) < 0.02
         near = points[around]
-        normal = _facing(near, up)
+        normal = _face_normal(near, up)
         level = _distinct([*_closing_directions(near, up), *across_all])
         # a bowl has no flat side, but here its wall leans one way
         square = leaning or _leaning_sides(surface.normals[: surface.seen][around], up)
         closings = [*(_along(closing, normal, up) for closing in level), *square]
-        turned = np.array([rotation for closing in closings for rotation in _tilted(closing, up, tilts)])
+        turned = np.array([rotation for closing in closings for rotation in _frames(closing, up, tilts)])
         yield Frames(origin, turned, np.arccos(np.clip(-turned[:, :, 2] @ up, -1.0, 1.0)))
 
 
@@ -78,7 +78,7 @@ def _leaning_sides(normals: FloatArray, up: FloatArray) -> list[FloatArray]:
     return [side for side in found if abs(float(side @ up)) > LEANING[0]]
 
 
-def _tilted(along: FloatArray, up: FloatArray, tilts: Sequence[float]) -> list[FloatArray]:
+def _frames(along: FloatArray, up: FloatArray, tilts: Sequence[float]) -> list[FloatArray]:
     """Rotations of a hand that closes along a direction, tilted about the pads' line."""
     across = cross(up, along)
     across /= np.linalg.norm(across)
@@ -96,7 +96,7 @@ def _places(points: FloatArray, centre: FloatArray, up: FloatArray, count: int) 
     return chosen + [central[index] for index in spread(central, centre, count // 4)]
 
 
-def _facing(points: FloatArray, up: FloatArray) -> FloatArray:
+def _face_normal(points: FloatArray, up: FloatArray) -> FloatArray:
     """Normal of the face some points lie on, where they lie on one that faces up; up otherwise."""
     if len(points) < 8:
         return up

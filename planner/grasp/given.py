@@ -41,14 +41,14 @@ def own_grasps(grasps: OwnGrasps, scene: Scene, arm: Arm) -> dict[str, list[Gras
     found: dict[str, list[Grasp]] = {}
     if isinstance(grasps, Mapping):
         for name, some in grasps.items():
-            found[_known(name, scene)] = [_checked(entry, name, arm) for entry in some]
+            found[_known_name(name, scene)] = [_check_entry(entry, name, arm) for entry in some]
         return found
     for index, entry in enumerate(grasps):
         name = _plain(entry).object
         if not name and not isinstance(entry, RankedGrasp):
             raise InvalidInput(f"grasp {index} names no object: rank_grasps says what it holds")
         if name:
-            found.setdefault(_known(name, scene), []).append(_checked(entry, name, arm))
+            found.setdefault(_known_name(name, scene), []).append(_check_entry(entry, name, arm))
     return found
 
 
@@ -86,13 +86,13 @@ def _plain(entry: Grasp | RankedGrasp) -> Grasp:
     return entry.grasp if isinstance(entry, RankedGrasp) else entry
 
 
-def _known(name: str, scene: Scene) -> str:
+def _known_name(name: str, scene: Scene) -> str:
     if name not in scene.movable:
         raise UnknownObject(name, scene.movable, role="object to grasp")
     return name
 
 
-def _checked(entry: Grasp | RankedGrasp, name: str, arm: Arm) -> Grasp:
+def _check_entry(entry: Grasp | RankedGrasp, name: str, arm: Arm) -> Grasp:
     grasp = _plain(entry)
     if grasp.object not in ("", name):
         raise InvalidInput(f"a grasp of {grasp.object!r} is given for {name!r}")

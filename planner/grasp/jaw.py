@@ -107,7 +107,7 @@ class Jaw(HandShape):
 
     def ready(self, grasp: Grasp) -> ToolState:
         """On the way in."""
-        return ToolState(self._rounded(grasp.opening))
+        return ToolState(self._round_opening(grasp.opening))
 
     def closed(self, grasp: Grasp) -> ToolState:
         """With the object."""
@@ -121,10 +121,10 @@ class Jaw(HandShape):
         """
         below = grasp.kind == PINCH and abs(float(grasp.closing @ up)) > UPRIGHT
         if into is not None and not below:
-            return ToolState(self._rounded(grasp.width + RELEASE_GAP))
+            return ToolState(self._round_opening(grasp.width + RELEASE_GAP))
         return self.hand
 
-    def _rounded(self, opening: float) -> float:
+    def _round_opening(self, opening: float) -> float:
         return min(self.max_opening, stepped(opening))
 
     # -- where it is
@@ -173,7 +173,7 @@ class Jaw(HandShape):
         """A grasp with the width and opening it takes, what is against these, and whether pads slide off."""
         name, widest = grasp.object, self.max_opening
         opening = min(grasp.opening, widest) or widest
-        found = _pinched(grasp.pose_tool_to_world, opening, room.surface(name), room.hulls(name), self)
+        found = _between_pads(grasp.pose_tool_to_world, opening, room.surface(name), room.hulls(name), self)
         if found is None:
             return replace(grasp, opening=opening), [f"nothing of {name} is {self.where}"], str
         (width, through, holds), wide = found, list[str]()
@@ -187,7 +187,7 @@ class Jaw(HandShape):
         return taken, wide, lambda: "" if holds(opening, friction) else SLIDES
 
 
-def _pinched(
+def _between_pads(
     pose: FloatArray, opening: float, surface: Surface, solid: Sequence[Hull], hand: HandShape
 ) -> tuple[float, float, Callable[[float, float], bool]] | None:
     """What is between the open pads of a hand at a pose (4, 4); None where nothing is.
@@ -215,7 +215,7 @@ def _pinched(
             ends = closed[[len(closed) // FEW, -1 - len(closed) // FEW]]
             window = at & (y >= ends[0]) & (y <= ends[1])
             if window.any():
-                holds = partial(_hold, held, window, hand)
+                holds = partial(_is_held, held, window, hand)
                 return float(np.ptp(ends)), float(high[0] - low[0]), holds
     return None
 
@@ -231,7 +231,7 @@ def _through(hull: Hull, place: FloatArray, way: FloatArray) -> tuple[float, flo
     return low, float((ends[outs] / along[outs]).min(initial=WIDEST))
 
 
-def _hold(held: Between, window: BoolArray, hand: HandShape, opening: float, friction: float) -> bool:
+def _is_held(held: Between, window: BoolArray, hand: HandShape, opening: float, friction: float) -> bool:
     y = held.points[window][:, 1]
     low, high = y.min(keepdims=True), y.max(keepdims=True)
     tolerances = replace(GRASP_TOLERANCES, friction=friction)

@@ -118,7 +118,7 @@ def rank_grasps(
         raise InvalidInput("scores and widths go with an array of grasps: these grasps have their own")
     else:
         source = grasps
-    told = _told(source, scene, names) if isinstance(source, ForeignGrasps) else {}
+    told = _told_objects(source, scene, names) if isinstance(source, ForeignGrasps) else {}
     arm = robot_named(robot) if isinstance(robot, str) else robot
     if pose_source_to_world is None and isinstance(source, ForeignGrasps):
         pose_source_to_world = camera_frame(scene, source)
@@ -130,7 +130,7 @@ def rank_grasps(
     situation = Situation(scene)
     graph = dependencies(situation) if graph is None else graph
     room = Room.of(situation, arm)
-    found = _held(given, told, room)
+    found = _held_objects(given, told, room)
     against = judged([entry.grasp for entry in found], room)
     before = {
         name: tuple(sorted(graph.before(name))) for name in {entry.grasp.object for entry in found} - {""}
@@ -244,7 +244,7 @@ def _as_grasps(
     ]
 
 
-def _told(
+def _told_objects(
     grasps: ForeignGrasps, scene: Scene, names: Mapping[int, str] | Mapping[str, str] | None
 ) -> dict[int, str]:
     """What grasps hold as their file has it, by their places."""
@@ -280,7 +280,7 @@ def _check(grasps: Sequence[Grasp], scene: Scene, arm: Arm | None) -> None:
     )
 
 
-def _held(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[RankedGrasp]:
+def _held_objects(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[RankedGrasp]:
     """Each grasp with the object it holds, those that hold none dropped."""
     found = [RankedGrasp(index, grasp, (), None) for index, grasp in enumerate(given)]
     movable = room.scene.movable

@@ -36,8 +36,8 @@ def rim_frames(sought: Sought, hand: HandShape) -> list[Frames]:
     found: list[Frames] = []
     low: list[tuple[float, float]] = []
     for place, outward, normal in _edges(surface.points[: surface.seen], up):
-        turned = np.array([_leaning(outward, normal, lean) for lean in LEANS])
-        needed = np.array([_needed(rotation, up, hand, sought.tolerances) for rotation in turned])
+        turned = np.array([_leaning_frame(outward, normal, lean) for lean in LEANS])
+        needed = np.array([_height(rotation, up, hand, sought.tolerances) for rotation in turned])
         height = float(place @ up) - sought.around.floor
         high = needed <= height
         if high.any():
@@ -75,14 +75,14 @@ def _edges(points: FloatArray, up: FloatArray) -> list[tuple[FloatArray, FloatAr
     return found
 
 
-def _leaning(outward: FloatArray, normal: FloatArray, lean: float) -> FloatArray:
+def _leaning_frame(outward: FloatArray, normal: FloatArray, lean: float) -> FloatArray:
     """A hand's rotation: it comes in along the sheet, `lean` [rad] steeper, and closes across it."""
     approach = -np.cos(lean) * outward - np.sin(lean) * normal
     closing = np.cos(lean) * normal - np.sin(lean) * outward
     return np.column_stack([cross(closing, approach), closing, approach])
 
 
-def _needed(rotation: FloatArray, up: FloatArray, hand: HandShape, tolerances: GraspTolerances) -> float:
+def _height(rotation: FloatArray, up: FloatArray, hand: HandShape, tolerances: GraspTolerances) -> float:
     """Height over the ground that a thin sheet's edge has at least for a hand to come in below it [m]."""
     x, y, z = up @ rotation
     back = hand.tip - tolerances.depths[0]  # from the edge to the pads' middle, the tips as shallow as can be

@@ -64,8 +64,8 @@ def read_stored(data: bytes, name: str) -> Stored:
         shape, fortran, dtype = header(file)
         rest = file.read()
         if dtype.hasobject:
-            return _dict_of_arrays(_unpickled(rest))
-        return _filled(rest, shape, dtype, fortran)
+            return _dict_of_arrays(_unpickle(rest))
+        return _fill(rest, shape, dtype, fortran)
     except _Refused as error:
         raise InvalidInput(f"{name}: holds a pickle that is no dict of arrays: {error}") from error
     except Exception as error:  # the header is Python text, and what is wrong with it fails in many ways
@@ -104,7 +104,7 @@ class _Array:
         self.value: Any = None
 
 
-def _filled(data: bytes, shape: tuple[int, ...], dtype: np.dtype[Any], fortran: bool) -> np.ndarray[Any, Any]:
+def _fill(data: bytes, shape: tuple[int, ...], dtype: np.dtype[Any], fortran: bool) -> np.ndarray[Any, Any]:
     if dtype.kind not in _NUMBERS:
         raise ValueError(f"it is of {dtype}, expected numbers")
     if any(extent < 0 for extent in shape) or math.prod(shape) * dtype.itemsize != len(data):
@@ -132,7 +132,7 @@ def _dict_of_arrays(value: Any) -> dict[Key, np.ndarray[Any, Any]]:
     return arrays
 
 
-def _unpickled(data: bytes) -> Any:
+def _unpickle(data: bytes) -> Any:
     """Follow a pickle's instructions as far as arrays and dicts need them."""
     machine = _Machine()
     for step, (opcode, argument, _) in enumerate(pickletools.genops(data)):
@@ -229,7 +229,7 @@ class _Machine:
         elif maker.name == "_reconstruct":
             self.stack.append(_Array())
         elif maker.name == "scalar" and len(given) == 2 and isinstance(given[0], _Dtype):
-            self.stack.append(_filled(given[1], (), given[0].build(), False).item())
+            self.stack.append(_fill(given[1], (), given[0].build(), False).item())
         elif maker.name == "encode" and given[1:] == ("latin1",) and isinstance(given[0], str):
             self.stack.append(given[0].encode("latin1"))
         elif maker.name == "bytes" and not given:
@@ -237,7 +237,7 @@ class _Machine:
         elif maker.name == "_frombuffer" and len(given) == 4 and isinstance(given[1], _Dtype):
             data, dtype, shape, order = given
             array = _Array()
-            array.value = _filled(data, shape, dtype.build(), order == "F")
+            array.value = _fill(data, shape, dtype.build(), order == "F")
             self.stack.append(array)
         else:
             raise _Refused(f"it asks for numpy's {maker.name} with what that does not take")
@@ -253,7 +253,7 @@ class _Machine:
             if dtype.code.startswith("O") and isinstance(content, list):
                 target.value = content
             else:
-                target.value = _filled(content, shape, dtype.build(), bool(fortran))
+                target.value = _fill(content, shape, dtype.build(), bool(fortran))
         else:
             raise _Refused("it changes what is no array")
 

@@ -98,7 +98,7 @@ def surface_of(
         nearest = np.argmin(np.linalg.norm(rays, axis=2), axis=1)
         toward = rays[np.arange(len(thin)), nearest]
     normals = fitted_normals(thin, GRASP_TOLERANCES.normal_radius, toward)
-    hidden, hidden_normals = _hidden(thin, solid, viewpoints, others, images)
+    hidden, hidden_normals = _hidden_points(thin, solid, viewpoints, others, images)
     volume, centre = volume_and_centre(thin, solid)
     return Surface(
         np.vstack([thin, hidden]),
@@ -117,7 +117,7 @@ def surface_in(name: str, situation: Situation, around: Surroundings) -> Surface
     return surface_of(cloud, situation.up, viewpoints, solid, around.points, scene.images)
 
 
-def _hidden(
+def _hidden_points(
     seen: FloatArray,
     solid: Sequence[FloatArray],
     viewpoints: FloatArray | None,
@@ -136,11 +136,11 @@ def _hidden(
     pictures = images if len(images) == len(viewpoints) else [None] * len(viewpoints)
     for viewpoint, picture in zip(viewpoints, pictures, strict=True):
         in_view = True if picture is None else picture.in_view(points)
-        unseen &= _shadowed(points, occluders, viewpoint, GRASP_TOLERANCES.hidden_gap) | ~np.bool_(in_view)
+        unseen &= _in_shadow(points, occluders, viewpoint, GRASP_TOLERANCES.hidden_gap) | ~np.bool_(in_view)
     return points[unseen], normals[unseen]
 
 
-def _shadowed(points: FloatArray, occluders: FloatArray, viewpoint: FloatArray, gap: float) -> BoolArray:
+def _in_shadow(points: FloatArray, occluders: FloatArray, viewpoint: FloatArray, gap: float) -> BoolArray:
     """Which points a camera cannot see because an occluder stands within `gap` of the ray, nearer to it."""
     rays, seen = points - viewpoint, occluders - viewpoint
     far, near = np.linalg.norm(rays, axis=1), np.linalg.norm(seen, axis=1)

@@ -86,7 +86,7 @@ def windows(frames: Frames, sought: Sought, hand: HandShape) -> Windows:
     ]
     points, normals, others, origin, turns = arrays
     owners, depths = np.ascontiguousarray(around.owners), np.array(sought.tolerances.depths)
-    given = _given(sought, hand)
+    given = _kernel_numbers(sought, hand)
     compiled.pinch_windows(
         address(points), address(normals), len(points), address(others), address(owners), len(others),
         len(around.names), address(origin), address(turns), len(turns), address(depths), len(depths),
@@ -100,7 +100,7 @@ def _numbers_of(prisms: Sequence[Prism]) -> FloatArray:
     return np.array([[*prism.x, *prism.y, prism.front] for prism in prisms]).reshape(-1, 5)
 
 
-def _given(sought: Sought, hand: HandShape) -> FloatArray:
+def _kernel_numbers(sought: Sought, hand: HandShape) -> FloatArray:
     """The kernel's `Numbers`."""
     t = sought.tolerances
     return np.array([
@@ -255,7 +255,7 @@ def _room(found: Windows, look: _Look, hold: _Hold, sought: Sought, hand: HandSh
     brushed = np.zeros(count, dtype=bool)
     for part, reach, prisms in ((State.FINGERS, fingers, hand.finger), (State.PALM, palm, hand.body)):
         left, hits = np.flatnonzero(~met), _Hits(sought, around)
-        passed = _passed(reach, prisms, look, hold.of(left), hand, hits)
+        passed = _count_passed(reach, prisms, look, hold.of(left), hand, hits)
         brushed[left], met[left] = brushed[left] | passed[0], passed[1]
         _bar(found, (at[0][left], at[1][left]), passed[1], part, hits)
     return np.where(met, 0.0, np.where(brushed, PINCH_TIGHT, 1.0))
@@ -355,7 +355,7 @@ def _met(
     return pair, at, reach.y.reshape(-1)[at] - hold.middle[pair]
 
 
-def _passed(
+def _count_passed(
     reach: _Reach, prisms: tuple[Prism, ...], look: _Look, hold: _Hold, hand: HandShape, hits: "_Hits"
 ) -> tuple[BoolArray, BoolArray]:
     """(P,) whether more than stray points are brushed by, and met by, any prism of fingers or palm."""

@@ -64,7 +64,7 @@ class Root:
         return Root(place, **more)
 
     @contextmanager
-    def _reading(self) -> Generator[None, None, None]:
+    def _confine_reading(self) -> Generator[None, None, None]:
         with confined(self.folder), allowing(self.most_bytes, self.folder):
             yield
 
@@ -87,7 +87,7 @@ class Root:
         if len(given) != 1:
             raise InvalidInput(f"the scene has {' and '.join(given) or 'nothing'}: give path, clouds or mjcf")
         fixed, up = source.fixed or self.fixed, source.up or self.up
-        with self._reading():
+        with self._confine_reading():
             if source.path:
                 masks: dict[str, Any] = {"masks": self.place(source.masks)} if source.masks else {}
                 return load_scene(self.place(source.path), fixed=fixed, up=up, **masks)
@@ -105,5 +105,5 @@ class Root:
         Raises:
             InvalidInput: It is not below the folder, is too large, or cannot be read.
         """
-        with self._reading():
+        with self._confine_reading():
             return read_given(self.place(path), path)

@@ -261,7 +261,7 @@ class MotionBounds:
         centres = frames.points(sets.frame, sets.centre)
         near = np.minimum(sets.frame[a], sets.frame[b])
         far = np.where(sets.frame[a] > sets.frame[b], a, b)
-        motion = self._moved(frames, spans, centres)[near, far, item]
+        motion = self._motion_bounds(frames, spans, centres)[near, far, item]
         need = motion + asked.wanted
         direction, apart = self._spheres(centres, item, a, b)
         left = np.flatnonzero(apart <= need)
@@ -269,7 +269,7 @@ class MotionBounds:
         apart[left] = gaps(sets, frames, candidates, iterations=DIRECTIONS)
         return motion, apart
 
-    def _moved(self, frames: Frames, spans: Float32Array, centres: Float32Array) -> Float32Array:
+    def _motion_bounds(self, frames: Frames, spans: Float32Array, centres: Float32Array) -> Float32Array:
         """Bounds of the motion in m states.
 
         Args:

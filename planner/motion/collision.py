@@ -97,7 +97,7 @@ class Checker:
         """
         least = self.model.margin
         wanted = np.maximum(least, np.where(self.model.obstacle, clearance, 0.0))
-        stricter = self._wanting(wanted)
+        stricter = self._with_margins(wanted)
         if states is None:
             return stricter
         state, a, b = stricter._hits(states, np.arange(len(states)), every=True)
@@ -108,9 +108,9 @@ class Checker:
             part = j if self.model.obstacle[j] else i
             self.exact.place(s, i, j)
             wanted[part] = min(wanted[part], self.exact.distance(i, j) - ROUNDED)
-        return self._wanting(np.maximum(least, wanted))
+        return self._with_margins(np.maximum(least, wanted))
 
-    def _wanting(self, margin: FloatArray) -> "Checker":
+    def _with_margins(self, margin: FloatArray) -> "Checker":
         """A checker of the same parts and pairs with other margins."""
         other = copy(self)
         other.model = replace(self.model, margin=margin)

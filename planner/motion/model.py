@@ -119,7 +119,7 @@ class _Parts:
     def add_attached(self, arm: Arm, attached: Attachment) -> None:
         pose = arm.tool_to_flange(attached.tool)
         for part in attached.parts:
-            self._add(attached.name, transformed(_checked(part, attached.name), pose), len(arm.joints), -1)
+            self._add(attached.name, transformed(_check_part(part, attached.name), pose), len(arm.joints), -1)
 
     def add_obstacles(self, pose_base_to_world: FloatArray, obstacles: Solids, taken: set[str]) -> None:
         world_to_base = inverse(pose_base_to_world)
@@ -129,7 +129,7 @@ class _Parts:
                     f"the obstacle {name!r} has the name of a link or of what is held; rename it"
                 )
             for part in obstacle:
-                self._add(name, transformed(_checked(part, name), world_to_base), 0, -2)
+                self._add(name, transformed(_check_part(part, name), world_to_base), 0, -2)
 
     def _add(self, name: str, vertices: FloatArray, frame: int, link: int) -> None:
         self.names.append(name)
@@ -155,7 +155,7 @@ class _Parts:
         return pairs
 
 
-def _checked(part: FloatArray, name: str) -> FloatArray:
+def _check_part(part: FloatArray, name: str) -> FloatArray:
     """Hull vertices of a part that came from outside."""
     points: FloatArray = np.asarray(part, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():

@@ -37,7 +37,7 @@ def arm_bodies(
     poses = [pose_base_to_world @ arm.forward(q, hand)[0] for hand in hands]
     return {
         f"{prefix} {link}": [
-            _grown(np.concatenate([transformed(part, places[number]) for places in poses])) for part in parts
+            _grow(np.concatenate([transformed(part, places[number]) for places in poses])) for part in parts
         ]
         for number, (link, parts) in enumerate(zip(arm.links, arm.parts, strict=True))
         if parts
@@ -57,7 +57,7 @@ def surface_points(arm: Arm, pose_base_to_world: FloatArray, q: FloatArray) -> F
     """
     poses = pose_base_to_world @ arm.forward(q)
     rows = [
-        _at(poses[:, number], _thinned(sampled(parts, SPREAD)))
+        _at(poses[:, number], _thin(sampled(parts, SPREAD)))
         for number, parts in enumerate(arm.parts)
         if parts
     ]
@@ -69,12 +69,12 @@ def _at(poses: FloatArray, points: FloatArray) -> FloatArray:
     return points @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
 
 
-def _thinned(points: FloatArray) -> FloatArray:
+def _thin(points: FloatArray) -> FloatArray:
     """One point of (P, 3) of each cube with an edge of `SPREAD`."""
     cells = np.floor(points / SPREAD).astype(np.int64)
     return points[np.unique(cells, axis=0, return_index=True)[1]]
 
 
-def _grown(points: FloatArray) -> FloatArray:
+def _grow(points: FloatArray) -> FloatArray:
     """Points (8 V, 3) whose hull holds everything within `GIVES_WAY` of the hull of (V, 3)."""
     return (points[:, None] + _CORNERS).reshape(-1, 3)

@@ -116,11 +116,11 @@ def plan_motion(
     Raises:
         InvalidInput: If shapes are wrong or values are not finite.
     """
-    start, goals = _validated(checker, start, goals)
+    start, goals = _validate(checker, start, goals)
     trials = keeping(checker, start, goals, clearance)
     return in_turn(
         budget,
-        (_planned(trial, start, goals, seed, round(share * rounds), certified) for trial, share in trials),
+        (_plan(trial, start, goals, seed, round(share * rounds), certified) for trial, share in trials),
     )
 
 
@@ -183,7 +183,7 @@ def _nearest_kept(checker: Checker, start: FloatArray, goals: FloatArray, cleara
     return max(trials, key=lambda trial: float(trial.model.margin.sum()))
 
 
-def _planned(
+def _plan(
     checker: Checker,
     start: FloatArray,
     goals: FloatArray,
@@ -195,9 +195,9 @@ def _planned(
     nearest = np.argsort(np.linalg.norm(goals - start, axis=1), kind="stable")
     order = nearest[_within(checker, goals[nearest])]
     goals = np.clip(goals, checker.arm.lower, checker.arm.upper)
-    clear = _opened(checker, start, goals[order])
+    clear = _free_states(checker, start, goals[order])
     if not clear[0] or not clear[1:-1].any():
-        return _refused(checker, start, goals[order])
+        return _refuse_ends(checker, start, goals[order])
     open_first = bool(clear[-1])
     order = order[clear[1:-1]]
     query = _Query(
@@ -211,7 +211,7 @@ def _planned(
     )
     found = query.direct() or query.searched()
     if found is None:
-        return _barred(checker, start, goals[order[0]])
+        return _direct_way_barred(checker, start, goals[order[0]])
     path, stage, certificate = found
     goal = int(order[np.argmin(np.abs(goals[order] - path[-1]).max(axis=1))])
     return Motion(path, goal, stage, certificate)
@@ -264,7 +264,7 @@ class _Query:
             if certificate is None or certificate.proven:
                 return short, stage, certificate
             fallback = fallback or (short, stage, certificate)
-            careful = shortcut(path, self._proven, trusted=False)
+            careful = shortcut(path, self._certifiable, trusted=False)
             if careful is not None:
                 return careful, stage, self._certificate(careful)
         return fallback
@@ -281,7 +281,7 @@ class _Query:
     def _certificate(self, path: FloatArray) -> Certificate | None:
         return None if self.certifier is None else self.certifier.path(path)
 
-    def _proven(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
+    def _certifiable(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
         """Which edges are free and can be certified."""
         free = self.checker.edges_free(starts, ends)
         some = np.flatnonzero(free)
@@ -290,7 +290,7 @@ class _Query:
         return free
 
 
-def _validated(checker: Checker, start: FloatArray, goals: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _validate(checker: Checker, start: FloatArray, goals: FloatArray) -> tuple[FloatArray, FloatArray]:
     n = len(checker.arm.joints)
     start, goals = np.asarray(start, dtype=float), np.atleast_2d(np.asarray(goals, dtype=float))
     if start.shape != (n,) or goals.shape[1:] != (n,):
@@ -309,7 +309,7 @@ def _within(checker: Checker, states: FloatArray) -> BoolArray:
     return np.logical_and.reduce(inside, axis=1)
 
 
-def _opened(checker: Checker, start: FloatArray, goals: FloatArray) -> BoolArray:
+def _free_states(checker: Checker, start: FloatArray, goals: FloatArray) -> BoolArray:
     """Which of start, goals (g, n) and the straight edge to the first goal are free: (g + 2,), one check."""
     states, group = np.concatenate([start[None], goals]), np.arange(len(goals) + 1)
     if len(goals):
@@ -321,7 +321,7 @@ def _opened(checker: Checker, start: FloatArray, goals: FloatArray) -> BoolArray
     return clear
 
 
-def _refused(checker: Checker, start: FloatArray, goals: FloatArray) -> MotionFailure:
+def _refuse_ends(checker: Checker, start: FloatArray, goals: FloatArray) -> MotionFailure:
     """Why there is nothing to plan: start or goals touch something, or no goal is within the limits."""
     found = checker.contacts(start)
     if found:
@@ -334,7 +334,7 @@ def _refused(checker: Checker, start: FloatArray, goals: FloatArray) -> MotionFa
     return MotionFailure("goals", reason, least, least[0].distance)
 
 
-def _barred(checker: Checker, start: FloatArray, goal: FloatArray) -> MotionFailure:
+def _direct_way_barred(checker: Checker, start: FloatArray, goal: FloatArray) -> MotionFailure:
     """What stands in the direct way, as the best guess at what bars every way."""
     states = start + np.linspace(0.0, 1.0, 101)[:, None] * (goal - start)
     hit = np.flatnonzero(~checker.free(states))

@@ -28,7 +28,7 @@ def shortcut(path: FloatArray, edges_free: EdgesFree, *, trusted: bool = True) -
     """
     if len(path) <= 2 and trusted:
         return path
-    return _shortest(_divided(path, POINTS), edges_free, trusted)
+    return _shortest(_divide(path, POINTS), edges_free, trusted)
 
 
 def length(path: FloatArray) -> float:
@@ -45,7 +45,7 @@ def densely(path: FloatArray, step: float) -> FloatArray:
     return np.concatenate(pieces)
 
 
-def _divided(path: FloatArray, count: int) -> FloatArray:
+def _divide(path: FloatArray, count: int) -> FloatArray:
     """The waypoints and, evenly between them, enough others to make about `count`."""
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     spacing = steps.sum() / max(count - len(path), 4)

@@ -37,7 +37,7 @@ def retime(arm: Arm, path: FloatArray, speed: float = 0.5) -> Trajectory:
     hardest = np.min((1 - CORNER_SHARE) * speed**2 * arm.acceleration / steep, axis=1)
     nodes = _node_speeds(arm, directions, lengths, fastest, hardest, speed)
     times, ways, speeds = _profile(lengths, nodes, fastest, hardest)
-    return _sampled(path, directions, lengths, times, ways, speeds)
+    return _sample(path, directions, lengths, times, ways, speeds)
 
 
 def _node_speeds(
@@ -79,7 +79,7 @@ def _profile(
     return np.array(times), np.array(ways), np.array(speeds)
 
 
-def _sampled(
+def _sample(
     path: FloatArray,
     directions: FloatArray,
     lengths: FloatArray,

@@ -31,13 +31,13 @@ class _Level:
         self.checker, self.arm, self.up, self.tilt = checker, checker.arm, kept.up, kept.tilt
         self._tool, self._axis = kept.tool, checker.arm.tool_pose(start, kept.tool)[0, :3, :3].T @ kept.up
 
-    def _carried(self, q: FloatArray) -> FloatArray:
+    def _carried_up(self, q: FloatArray) -> FloatArray:
         """(m, 3) where what was up in the first state points in states (m, n)."""
         return self.arm.tool_pose(q, self._tool)[:, :3, :3] @ self._axis
 
     def tilts(self, q: FloatArray) -> FloatArray:
         """Angles (m,) by which states (m, n) tilt what is carried [rad]."""
-        carried = self._carried(q)
+        carried = self._carried_up(q)
         return np.arctan2(np.linalg.norm(np.cross(carried, self.up), axis=1), carried @ self.up)
 
     def edges_free(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
@@ -63,7 +63,7 @@ class _Level:
             if not len(over):
                 break
             frames = self.arm.chain.frames(q[over])
-            carried = self._carried(q[over])
+            carried = self._carried_up(q[over])
             away = np.cross(carried, self.up)
             sine = np.linalg.norm(away, axis=1, keepdims=True)
             angle = np.arctan2(sine, (carried @ self.up)[:, None])
@@ -100,10 +100,10 @@ def plan_upright(
     """
     trials = keeping(checker, start, goals, CLEARANCE)
     levels = ((_Level(trial, start, kept), round(share * rounds)) for trial, share in trials)
-    return in_turn(None, (_planned(level, start, goals, seed, share) for level, share in levels))
+    return in_turn(None, (_plan(level, start, goals, seed, share) for level, share in levels))
 
 
-def _planned(
+def _plan(
     level: _Level, start: FloatArray, goals: FloatArray, seed: int, rounds: int
 ) -> Motion | MotionFailure:
     """An upright motion that keeps the checker's margins, or why there is none."""

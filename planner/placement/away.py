@@ -227,7 +227,7 @@ class Receiver:
         if self.how is Away.HAND_OVER:
             middle = np.vstack(situation.solids[name]).mean(axis=0)
             words, point = "where it is taken over", self.pose[:3, 3]
-            return [self._put(situation, middle, point, k, words) for k in range(YAWS)]
+            return [self._at(situation, middle, point, k, words) for k in range(YAWS)]
         if self.how is Away.BIN:
             return self._in_bin(name, situation)
         base = self.pose_base_to_world
@@ -238,7 +238,7 @@ class Receiver:
             )
         ]
 
-    def _put(
+    def _at(
         self,
         situation: "Situation",
         middle: FloatArray,
@@ -266,7 +266,7 @@ class Receiver:
         for share in TOWARDS:
             aside = middle + share * inwards
             for rise in np.arange(RAISED, HIGHEST, 0.02).tolist():
-                place = self._put(situation, middle, aside + rise * out, 0, f"{1e2 * rise:.0f} cm {where}")
+                place = self._at(situation, middle, aside + rise * out, 0, f"{1e2 * rise:.0f} cm {where}")
                 if apart(moved(own, place.pose_before_to_after), rest, LIFT_CLEAR):
                     found.append(place)
                     break
@@ -284,7 +284,7 @@ class Receiver:
                     np.array([[x * self.size[0], y * self.size[1], BIN_WALL + drop]]), self.pose
                 )[0]
                 found += [
-                    self._put(situation, middle, spot - low * up, k, "", drop) for k in range(0, YAWS, 2)
+                    self._at(situation, middle, spot - low * up, k, "", drop) for k in range(0, YAWS, 2)
                 ]
         return found
 

@@ -103,7 +103,7 @@ def standing(
     for place in places:
         attitude = tuple(np.round(place.pose_before_to_after[:3, :3].T @ up, 3).tolist())
         if attitude not in known:
-            known[attitude] = _tipping(tried, place, up)
+            known[attitude] = _tipped_turn(tried, place, up)
         turn = known[attitude]
         found.append(place if turn is None else replace(_laid(tried, place, *turn, up), rolls=True))
         if turn is not None and place.tilt(up) < OTHER_FACE:
@@ -111,7 +111,7 @@ def standing(
     return [*found, *falls]
 
 
-def _tipping(sandbox: Sandbox, place: Placement, up: FloatArray) -> tuple[FloatArray, float] | None:
+def _tipped_turn(sandbox: Sandbox, place: Placement, up: FloatArray) -> tuple[FloatArray, float] | None:
     """How an object turns (3, 3) in its own axes from how a placement has it, and how low it then is.
 
     None where it stays.

@@ -33,13 +33,13 @@ def lowered(name: str, situation: Situation, pose: FloatArray) -> Placement | No
     Returns:
         The placement; None where there is nothing below.
     """
-    found = _down(name, situation, pose)
+    found = _lower(name, situation, pose)
     if found is None or found.into is not None:
         return found
-    return _down(name, situation.with_completed(name), pose)
+    return _lower(name, situation.with_completed(name), pose)
 
 
-def _down(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
+def _lower(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
     scene, up, solids = situation.scene, situation.up, situation.solids
     axes = np.stack(level_axes(up))
     body = np.vstack([voxel_means(scene.clouds[name], CELL), sampled(solids[name], CELL)])

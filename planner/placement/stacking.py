@@ -114,10 +114,10 @@ def placements_on(
                     words = f"{how} {where}, turned {turn:.0f} deg onto a face"
                     value = (score or 0.0) - 0.01 * min(k, YAWS - k) - 3.0 * drop
                     found.append(Placement(pose, value, words, drop, where, how))
-    return _varied(found, centre, limit)
+    return _vary_headings(found, centre, limit)
 
 
-def _varied(found: list[Placement], centre: FloatArray, limit: int) -> list[Placement]:
+def _vary_headings(found: list[Placement], centre: FloatArray, limit: int) -> list[Placement]:
     """Best first, a few headings at a spot each: a hand that finds no room at one may find it at another."""
     kept: list[Placement] = []
     spots: list[FloatArray] = []
@@ -162,13 +162,13 @@ def heights_of(scene: Scene, up: FloatArray, leave_out: str, ceiling: float = np
         index = np.floor((cloud @ axes.T - origin) / CELL).astype(np.int64)
         own = np.full(tuple(shape), -np.inf)
         np.maximum.at(own, (index[:, 0], index[:, 1]), level)
-        own = _closed(own)
+        own = _close_gaps(own)
         higher = own > top
         top[higher], owner[higher] = own[higher], number
     return Heights(origin, top, owner)
 
 
-def _closed(own: FloatArray) -> FloatArray:
+def _close_gaps(own: FloatArray) -> FloatArray:
     """Fill empty cells between cells of one object with their neighbours' mean height."""
     known = np.isfinite(own)
     wide, inner = GAPS + 1, slice(GAPS + 1, -GAPS - 1)

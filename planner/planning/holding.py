@@ -119,7 +119,7 @@ class HoldPlanner:
     def _choices(self, taker: Station, holder: Station, log: FailureLog) -> list[_Choice]:
         """The ways of one arm to hold the object, best grasps first, with the room they leave the other."""
         beside = standing_by(self._prefix(taker), taker)
-        handling = self._handling(holder, beside, self.situation)
+        handling = self._handling_beside(holder, beside, self.situation)
         grips = Grips(handling, holder.q, log, self.context.avoid.get(self.hold.object, ()))
         if not grips.states:
             return []
@@ -142,7 +142,7 @@ class HoldPlanner:
         hold, situation, taker, holder = self.hold, self.situation, choice.taker, choice.holder
         second = taker is self.context.second
         home = replace(taker, q=np.asarray(taker.arm.home))
-        taking = replace(self.context, station=taker, obstacles=self._holding(holder, grip))
+        taking = replace(self.context, station=taker, obstacles=self._holder_bodies(holder, grip))
         steps: list[NextStep] = []
         for name in hold.meanwhile(self.order.order):
             found = Transfers(situation, taking).aside(name, self.remaining(name))
@@ -154,7 +154,7 @@ class HoldPlanner:
         away, name = standing_by(self._prefix(taker), home), hold.object
         steps[0] = replace(steps[0], grip=grip)
         if hold.until != name:
-            left = letting_go(choice.state, self._handling(holder, away, situation))
+            left = letting_go(choice.state, self._handling_beside(holder, away, situation))
             if isinstance(left, TransferFailure):
                 return left
             steps[-1] = replace(steps[-1], let_go=left)
@@ -167,11 +167,11 @@ class HoldPlanner:
             steps.append(NextStep(last, self.action(name), why, self.order, by_second=not second))
         return replace(steps[0], then=tuple(steps[1:]))
 
-    def _handling(self, holder: Station, beside: Solids, situation: Situation) -> Handling:
+    def _handling_beside(self, holder: Station, beside: Solids, situation: Situation) -> Handling:
         """What is asked about what one arm holds, with the bodies of the other arm beside it."""
         return Handling(self.hold.object, situation, holder, seed=self.context.seed, obstacles=beside)
 
-    def _holding(self, holder: Station, grip: Transfer) -> Solids:
+    def _holder_bodies(self, holder: Station, grip: Transfer) -> Solids:
         """The bodies of the arm that holds."""
         q, hand = grip.q_end, grip.segments[-1].hand
         return arm_bodies(self._prefix(holder), holder.arm, holder.pose_base_to_world, q, (hand,))

@@ -61,10 +61,10 @@ class StepChooser:
         lost = [name for name in self.goal.names if name not in self.scene.clouds and name not in gone]
         if lost and self.unmet():
             raise NoSafePlan(words := f"{', '.join(lost)}: seen nowhere any more", (words,))
-        step = self._chosen()
+        step = self._step_to_goal()
         return None if step is None else step.first()
 
-    def _chosen(self) -> NextStep | None:
+    def _step_to_goal(self) -> NextStep | None:
         if targets := self._not_free():
             return self.take_off(targets, Action.FREE)
         inside = self.goal.contents(self.situation.relations, self.scene.fixed) if self.goal.empty else {}
@@ -85,7 +85,7 @@ class StepChooser:
         Raises:
             NoSafePlan: There is none, whatever is tried.
         """
-        chosen = self._ordered(targets)
+        chosen = self._order(targets)
         failures: list[TransferFailure] = []
         longer = partial(self._in_turn, chosen, targets, action, why, [], longer=True)
         step = (
@@ -116,7 +116,7 @@ class StepChooser:
         """
         unseen: NextStep | None = None
         for name in self._alone(chosen):
-            found = self.transfers.aside(name, self._remaining(name), longer=longer)
+            found = self.transfers.aside(name, self._still_needed(name), longer=longer)
             if isinstance(found, Transfer):
                 is_target = name in targets
                 reason = (why or "nothing has to go before it") if is_target else why_first(name, chosen)
@@ -139,7 +139,7 @@ class StepChooser:
             return None
         hold = min(holds, key=lambda each: chosen.order.index(each.since))
         held = HoldPlanner(
-            hold, chosen, self.situation, self.context, self._remaining,
+            hold, chosen, self.situation, self.context, self._still_needed,
             lambda name: action if name in targets else Action.REMOVE,
         ).steps()  # fmt: skip
         if isinstance(held, NextStep):
@@ -168,13 +168,13 @@ class StepChooser:
     def _taken_away(self, other: str, barred: Collection[str], why: str) -> NextStep | None:
         """The first step to take an object away, once, that is about none of the barred ones."""
         try:
-            chosen = self._ordered([other])
+            chosen = self._order([other])
         except NoSafePlan:
             return None
         for first in self._alone(chosen):
             if first in barred or (first, Action.REMOVE) in self.context.done:
                 continue
-            found = self.transfers.aside(first, self._remaining(first))
+            found = self.transfers.aside(first, self._still_needed(first))
             if isinstance(found, Transfer):
                 return NextStep(found, Action.REMOVE, why, chosen)
         return None
@@ -184,16 +184,16 @@ class StepChooser:
         name, where = place.object, place.where
         if place.how == PlaceRelation.ON and (others := self._standing_on(place)):
             return self.take_off(others, Action.REMOVE, f"it is where {name} goes")
-        chosen = self._ordered([name])
+        chosen = self._order([name])
         if len(chosen.order) > 1:
             return self.take_off([name], Action.PLACE)
         if (later := self._stands_on_later(place)) is not None:
             why = f"{later} below it has to come out before {name} is put there"
             return self.take_off([where], Action.REMOVE, why)
         contents = self._in_the_way(place) if place.how == PlaceRelation.WITHIN else []
-        return self._placed(place, chosen, contents)
+        return self._place_in_spots(place, chosen, contents)
 
-    def _placed(self, place: Place, chosen: Order, contents: Sequence[str]) -> NextStep:
+    def _place_in_spots(self, place: Place, chosen: Order, contents: Sequence[str]) -> NextStep:
         """The object to the best spots; into a vessel with contents only where it pushes none of them.
 
         Raises:
@@ -251,7 +251,7 @@ class StepChooser:
         """An object that a later placement moves and that comes out only once the base is off: base first."""
         for later in self.goal.places[self.goal.places.index(place) + 1 :]:
             if later.object != place.where and (later.object, Action.PLACE) not in self.context.done:
-                if place.where in self._ordered([later.object]).order:
+                if place.where in self._order([later.object]).order:
                     return later.object
         return None
 
@@ -273,8 +273,8 @@ class StepChooser:
             and (support.kind == "rests" or over(self.situation, support.supported, place.where))
         )
 
-    def _ordered(self, targets: Sequence[str]) -> Order:
-        situation = self._loaded(targets)
+    def _order(self, targets: Sequence[str]) -> Order:
+        situation = self._with_riders(targets)
         chosen = self.context.ask(situation, targets)
         if chosen.unresolved:
             cycles = tuple(f"cycle: {words}" for words in chosen.certificate)
@@ -282,7 +282,7 @@ class StepChooser:
         self._needed.update(chosen.order)
         return chosen
 
-    def _loaded(self, targets: Sequence[str]) -> Situation:
+    def _with_riders(self, targets: Sequence[str]) -> Situation:
         """The situation to order: what rides in a container that is kept upright is one thing with it."""
         scene = self.scene
         for name in self.context.upright:
@@ -296,7 +296,7 @@ class StepChooser:
                 scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
         return self.situation if scene is self.scene else Situation(scene)
 
-    def _remaining(self, name: str) -> frozenset[str]:
+    def _still_needed(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
         left = (place for place in self.goal.places if (place.object, Action.PLACE) not in self.context.done)
         named = {other for place in left for other in (place.object, place.where)}

@@ -221,7 +221,7 @@ def _questions(situation: Situation, found: Order) -> list[_Question]:
     views = {name: PointTree(seen[name]) for name in trees}
     asked: list[_Question] = []
     for (a, b), doubt in sorted(doubts.items()):
-        near = _meeting(a, b, surfaces, trees)
+        near = _meeting_places(a, b, surfaces, trees)
         if near is None:
             continue
         known = np.min([views[name].query(near, distance_upper_bound=UNSEEN)[0] for name in (a, b)], axis=0)
@@ -231,7 +231,7 @@ def _questions(situation: Situation, found: Order) -> list[_Question]:
     return asked
 
 
-def _meeting(
+def _meeting_places(
     a: str, b: str, surfaces: Mapping[str, FloatArray], trees: Mapping[str, PointTree]
 ) -> FloatArray | None:
     """(N, 3) places of two surfaces where they may meet; None where they are nowhere close."""

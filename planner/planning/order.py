@@ -126,7 +126,7 @@ def order(
         chance = chances(chance, votes, len(scene.viewpoints) or None)
         level = [edge for edge in full.dependencies if not sized.goes_up(edge.then)]  # simulation lifts
         chance |= {(edge.first, edge.then): edge.confidence for edge in level}
-        full = _witnessed(confirmed(full, chance, votes), situation)
+        full = _with_witnesses(confirmed(full, chance, votes), situation)
         notes = {"trials": votes.trials}
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
     apart = taking_apart(sized, full, hands, fixture)
@@ -192,7 +192,7 @@ cautious: Callable[..., Order] = partial(order, removal_risk=REMOVAL_RISK, check
 """The order for an arm that acts: with the least risk, as removals do harm themselves now and then."""
 
 
-def _witnessed(graph: DependencyGraph, situation: Situation) -> DependencyGraph:
+def _with_witnesses(graph: DependencyGraph, situation: Situation) -> DependencyGraph:
     """The graph with a relation for what simulation alone found: that of what is lifted to what moves."""
     edges = (
         edge if edge.evidence else replace(edge, evidence=(situation.swept(edge.then, edge.first),))

@@ -138,7 +138,7 @@ def plan(
         return planning.plan(given is None, assumed)
 
     theirs = () if orderer is ordered and relations is None else SEEN_ORDER.names
-    return _held(attempt, planning, scene, theirs) if check and BULLET in INSTALLED else _in_order(attempt())
+    return _check(attempt, planning, scene, theirs) if check and BULLET in INSTALLED else _in_order(attempt())
 
 
 @checked_arguments
@@ -206,7 +206,7 @@ def _in_order(found: Plan) -> Plan:
     return found
 
 
-def _held(attempt: Callable[[], Plan], planning: PlanBuilder, scene: Scene, own: Collection[str]) -> Plan:
+def _check(attempt: Callable[[], Plan], planning: PlanBuilder, scene: Scene, own: Collection[str]) -> Plan:
     """A plan that holds its check; from a step that the check refutes on it is planned anew.
 
     Args:

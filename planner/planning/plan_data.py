@@ -54,14 +54,14 @@ def step_data(
         after=after,
         grasp=GraspData(
             str(grasp.kind),
-            _rounded(grasp.pose_tool_to_world),
+            _round(grasp.pose_tool_to_world),
             round(grasp.width, DIGITS),
             round(grasp.score, DIGITS),
             grasp.reason,
             {name: round(value, DIGITS) for name, value in grasp.terms.items()},
         ),
         placement=PlacementData(
-            _rounded(place.pose_before_to_after),
+            _round(place.pose_before_to_after),
             place.rest,
             round(place.drop, DIGITS),
             place.into,
@@ -70,7 +70,7 @@ def step_data(
         ),
         segments=[_rounded_segment(segment) for segment in transfer.segments],
         attachments=[
-            AttachmentData(name, grasp.tool, _rounded(to_tool @ moved.get(name, np.eye(4))))
+            AttachmentData(name, grasp.tool, _round(to_tool @ moved.get(name, np.eye(4))))
             for name in (transfer.object, *transfer.riding)
         ],
         upright=transfer.upright,
@@ -82,13 +82,13 @@ def step_data(
     )
 
 
-def _rounded(matrix: FloatArray) -> Matrix:
+def _round(matrix: FloatArray) -> Matrix:
     return np.round(matrix, DIGITS).tolist()
 
 
 def away_data(away: Receiver) -> AwayData:
     """Where things go that are taken, as data."""
-    return AwayData(str(away.how), _rounded(away.pose), np.round(away.size, DIGITS).tolist())
+    return AwayData(str(away.how), _round(away.pose), np.round(away.size, DIGITS).tolist())
 
 
 def said_unseen(steps: Sequence[Step]) -> tuple[str, ...]:
@@ -119,7 +119,7 @@ def objects_data(situation: Situation) -> list[ObjectData]:
 
 def rounded_parts(parts: Sequence[FloatArray]) -> list[list[list[float]]]:
     """Convex parts (V, 3) as a plan keeps them."""
-    return [_rounded(part) for part in parts]
+    return [_round(part) for part in parts]
 
 
 def _rounded_segment(segment: Segment) -> Segment:

@@ -58,7 +58,7 @@ class Transfers:
             longer: Look at more places, and more hands.
         """
         if name in self.context.given_up:
-            return self._refused(name)
+            return self._refuse(name)
         station, own, away = self.context.station, self.situation.scene.clouds[name], self.context.away
         if away is not None:
             places = away.places(name, self.situation.with_completed(name), self.context.obstacles)
@@ -90,7 +90,7 @@ class Transfers:
             limits: How hard to look.
         """
         if name in self.context.given_up:
-            return self._refused(name)
+            return self._refuse(name)
         context = self.context
         places = [place for place in places if not any(map(place.same, context.barred))] or places
         grasps, refused = self._own_grasps(name)
@@ -109,7 +109,7 @@ class Transfers:
         drop = context.allow_drop and Relaxation.LET_FALL in context.relaxations
         if isinstance(found, TransferFailure) and drop:
             found = transfer(asked, limits=limits)
-            return found if isinstance(found, TransferFailure) else _falling(found, proof)
+            return found if isinstance(found, TransferFailure) else _as_drop(found, proof)
         return found
 
     def explained(self, failure: TransferFailure) -> TransferFailure:
@@ -154,7 +154,7 @@ class Transfers:
         most = found[: TRANSFER_LIMITS.grasps]
         return list(handling.reached(handling.hands(most, station.q, log), True, log))
 
-    def _refused(self, name: str) -> TransferFailure:
+    def _refuse(self, name: str) -> TransferFailure:
         return TransferFailure(name, {self.context.given_up[name]: 1}, None)
 
     def _own_grasps(self, name: str) -> tuple[list[Grasp] | None, Dropped]:
@@ -168,7 +168,7 @@ class Transfers:
         return doable(self.context.grasps[name], self.situation, station.arm, station.pose_base_to_world)
 
 
-def _falling(transfer: Transfer, proof: Proof) -> Transfer:
+def _as_drop(transfer: Transfer, proof: Proof) -> Transfer:
     """A transfer to a place where the object need not stay, which then says what becomes of it."""
     place = transfer.placement
     if proof.holds(place):

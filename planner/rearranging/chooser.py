@@ -88,11 +88,11 @@ class MoveChooser:
         if not self._moving:
             return None
         taken = self._context.ask(self._situation, self._situation.movable)
-        needed = self._needed(taken)
+        needed = self._precedences(taken)
         while True:
             problem = replace(needed.problem, before=needed.problem.before | self._learned)
             found = fewest_moves(problem)
-            starting = partial(_starting, taken, needed, found.moves)
+            starting = partial(_as_moves, taken, needed, found.moves)
             ready = sorted(_ready(problem, found), key=lambda move: _risk_now(taken, move.object))
             several = Relaxation.ANOTHER_FIRST in self._context.relaxations
             for move in ready if several else ready[:1]:
@@ -120,7 +120,7 @@ class MoveChooser:
             return holds(place, self._situation.relations, self._situation.supports)
         return self._fits[name].stays
 
-    def _needed(self, taken: Order) -> Precedences:
+    def _precedences(self, taken: Order) -> Precedences:
         """What has to happen before what."""
         upright = self._situation.statics.upright.rotation
         surfaces = dict(self._situation.surfaces)
@@ -160,7 +160,7 @@ class MoveChooser:
             return TransferFailure.no_place(name, text, barring)
         # It comes to lie as it is told: higher by the noise of two clouds each, upper ones of a tower float.
         told = replace(place, drop=place.drop + max(0.0, raised))
-        return self._transfers.to(name, self._turned(name, told))
+        return self._transfers.to(name, self._equal_placements(name, told))
 
     def _into(self, place: Place) -> Transfer | TransferFailure:
         """An object to a spot in what it shall lie in: best where it pushes nothing that lies there."""
@@ -169,7 +169,7 @@ class MoveChooser:
         spots = gentle if set(contents) - {name} else gentle or kept or every
         return self._transfers.to(name, spots) if spots else no_room(place)
 
-    def _turned(self, name: str, place: Placement) -> list[Placement]:
+    def _equal_placements(self, name: str, place: Placement) -> list[Placement]:
         """A placement, and those that look the same as the object is turned onto itself."""
         up, upright = self._situation.up, self._situation.statics.upright.rotation
         pose = place.pose_before_to_after
@@ -232,7 +232,7 @@ def _avoiding_misplacement(context: Context, moving: Sequence[str]) -> Context:
     return replace(context, avoid={**context.avoid, **avoid})
 
 
-def _starting(taken: Order, needed: Precedences, moves: Sequence[Move], first: Move) -> Order:
+def _as_moves(taken: Order, needed: Precedences, moves: Sequence[Move], first: Move) -> Order:
     """An order as the moves that are made, what makes room among them, with one of them first."""
     moves = (first, *(move for move in moves if move != first))
     names = tuple(move.object for move in moves)

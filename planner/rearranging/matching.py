@@ -69,7 +69,7 @@ def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Mat
             left = np.isfinite(match.residual)
             far = f" ({match.goal} is {1e3 * match.residual:.0f} mm off)" if left else ""
             raise InvalidInput(f"nothing that is left in the goal has the shape of {match.object}{far}")
-    return _renamed(goal, {match.goal: match.object for match in found}), tuple(found)
+    return _rename(goal, {match.goal: match.object for match in found}), tuple(found)
 
 
 def sizes(cloud: FloatArray) -> FloatArray:
@@ -78,7 +78,7 @@ def sizes(cloud: FloatArray) -> FloatArray:
     return np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0)
 
 
-def _renamed(scene: Scene, names: Mapping[str, str]) -> Scene:
+def _rename(scene: Scene, names: Mapping[str, str]) -> Scene:
     """A scene with other names."""
 
     def name_of(name: str) -> str:

@@ -99,7 +99,7 @@ class Buffers:
             OutOfBudget: The budget of the call ran out.
         """
         while nodes > 0:
-            chosen, visited = self._chosen(nodes, costs)
+            chosen, visited = self._cheapest_names(nodes, costs)
             nodes -= max(visited, 1)
             if chosen is None:
                 break
@@ -107,7 +107,7 @@ class Buffers:
                 return chosen
             for cycle in cycles:
                 self._rows[frozenset((k, 1.0) for k in cycle)] = 1.0
-        return self._completed(frozenset())
+        return self._complete(frozenset())
 
     def _leave(self, first: Event, then: Event) -> None:
         """What stays is moved after all where its leaving is waited for, or its return has to wait."""
@@ -119,7 +119,7 @@ class Buffers:
                 else:
                     self._rows[frozenset((entry, (self._at[other], -1.0)))] = 0.0
 
-    def _chosen(self, nodes: int, costs: FloatArray | None) -> tuple[frozenset[str] | None, int]:
+    def _cheapest_names(self, nodes: int, costs: FloatArray | None) -> tuple[frozenset[str] | None, int]:
         """The cheapest names that satisfy the known inequalities, None where unknown; and how many nodes."""
         if not self._rows:
             return frozenset(), 0
@@ -180,7 +180,7 @@ class Buffers:
     def _absent(self, name: str, chosen: Collection[str]) -> bool:
         return name in self._problem.staying and name not in chosen
 
-    def _completed(self, chosen: frozenset[str]) -> frozenset[str]:
+    def _complete(self, chosen: frozenset[str]) -> frozenset[str]:
         """Names added until nothing closes a cycle: each time what is in most of the cycles found."""
         while cycles := self._cycles(chosen):
             counts = np.bincount([k for cycle in cycles for k in cycle], minlength=len(self._names))

@@ -79,7 +79,7 @@ class Precedences:
                 why += [e.sentence() for e in _direct(self.removals, off) if e.first == move.object]
                 taken = [p.then for p in self.places if p.first == move.object and p.then not in down]
                 why += (
-                    [f"{move.object} is where {_counted(taken)} {'goes' if len(taken) == 1 else 'go'}"]
+                    [f"{move.object} is where {_count_words(taken)} {'goes' if len(taken) == 1 else 'go'}"]
                     if taken
                     else []
                 )
@@ -130,7 +130,7 @@ def precedences(
     return Precedences(problem, removals, arrangement.built.footings, places, arrangement.built.holds)
 
 
-def _counted(names: Sequence[str]) -> str:
+def _count_words(names: Sequence[str]) -> str:
     """Names as words, of many the first two and how many there are besides."""
     if len(names) > NAMED:
         return f"{', '.join(names[:2])} and {len(names) - 2} others"

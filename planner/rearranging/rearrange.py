@@ -158,7 +158,7 @@ def rearrange(
     if match not in MATCHES:
         raise InvalidInput(f"match is {match!r}: expected one of {', '.join(MATCHES)}")
     before = Situation.of(start)
-    wanted = _wanted(goal, before, match)
+    wanted = _goal_of(goal, before, match)
     if robot is None:
         return _fewest(before, wanted)
     from topple.planner.planning.plan import plan
@@ -167,7 +167,7 @@ def rearrange(
     return plan(before.scene, ArrangementTask(wanted), robot, **options)
 
 
-def _wanted(goal: AnyScene | Situation | Mapping[str, Any], before: Situation, match: str) -> Arrangement:
+def _goal_of(goal: AnyScene | Situation | Mapping[str, Any], before: Situation, match: str) -> Arrangement:
     """How things shall lie, worked out where it is told."""
     if isinstance(goal, str):
         from topple.planner.rearranging.words import described  # lets things go in simulation
@@ -185,7 +185,7 @@ def _fewest(before: Situation, arrangement: Arrangement) -> Rearrangement:
     """The fewest moves, given room beside everything."""
     arrangement.check(before)
     taken, built = order(before), arrangement.built
-    surfaces = _aligned(arrangement.situation, before)
+    surfaces = _align(arrangement.situation, before)
     staying = [name for name in before.movable if _same(before.surfaces[name], surfaces[name])]
     needed = precedences(before, arrangement, taken, surfaces, staying)
     told = map(str, arrangement.matches)
@@ -205,7 +205,7 @@ def _fewest(before: Situation, arrangement: Arrangement) -> Rearrangement:
     )
 
 
-def _aligned(goal: Situation, start: Situation) -> Mapping[str, FloatArray]:
+def _align(goal: Situation, start: Situation) -> Mapping[str, FloatArray]:
     """The surfaces of the goal in the upright frame of the start."""
     turn = goal.statics.upright.rotation @ start.statics.upright.rotation.T
     return {name: goal.surfaces[name] @ turn for name in goal.movable}

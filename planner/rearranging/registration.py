@@ -125,7 +125,7 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
     there = transformed(surface, fit.pose)
     middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
     alike = (turned_to(about(up, angle), middle, middle) @ fit.pose for angle in turns(there, up))
-    return min((_told(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
+    return min((_result(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
 
 
 def remaining(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
@@ -137,7 +137,7 @@ def remaining(known: Registration, before: FloatArray, now: FloatArray) -> Regis
         now: (M, 3) points of the object where it is now [m].
     """
     meanwhile = _point_by_point(before, now)
-    return None if meanwhile is None else _told(known.pose @ inverse(meanwhile.pose), now, known.residual)
+    return None if meanwhile is None else _result(known.pose @ inverse(meanwhile.pose), now, known.residual)
 
 
 def _point_by_point(start: FloatArray, goal: FloatArray) -> Registration | None:
@@ -146,7 +146,7 @@ def _point_by_point(start: FloatArray, goal: FloatArray) -> Registration | None:
         return None
     pose = _rigid(start, goal)
     left = float(np.linalg.norm(transformed(start, pose) - goal, axis=1).max())
-    return _told(pose, start, left) if left < ALIKE else None
+    return _result(pose, start, left) if left < ALIKE else None
 
 
 def _few(points: FloatArray) -> FloatArray:
@@ -163,7 +163,7 @@ def _rigid(a: FloatArray, b: FloatArray) -> FloatArray:
     return turned_to(vt.T @ flip @ u.T, here, there)
 
 
-def _told(pose: FloatArray, start: FloatArray, residual: float) -> Registration:
+def _result(pose: FloatArray, start: FloatArray, residual: float) -> Registration:
     middle = (start.min(axis=0) + start.max(axis=0)) / 2.0
     turn = float(Rotation.from_matrix(pose[:3, :3]).magnitude())
     return Registration(pose, residual, float(np.linalg.norm(transformed(middle, pose) - middle)), turn)
@@ -205,7 +205,7 @@ class _Pair:
             if np.linalg.det(rotation) > 0.0:
                 yield turned_to(rotation, here, there)
 
-    def _matched(self, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _match(self, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points of the first cloud and those of the second that they are next to, from either side."""
         there, nearest = self._near_b.query(transformed(self._a, pose))
         back, own = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])
@@ -221,15 +221,15 @@ class _Pair:
 
     def settled(self, pose: FloatArray) -> Registration:
         """Where a motion settles; level where it tilts little."""
-        pose = self._followed(pose, level=False)
+        pose = self._refine(pose, level=False)
         if _tilt(pose, self._up) < LEVEL:
             middle = self._a.mean(axis=0)
-            pose = self._headed(
-                self._followed(self._level(pose[:3, :3], middle, transformed(middle, pose)), True)
+            pose = self._best_heading(
+                self._refine(self._level(pose[:3, :3], middle, transformed(middle, pose)), True)
             )
-        return _told(pose, self._a, self.distance(pose))
+        return _result(pose, self._a, self.distance(pose))
 
-    def _headed(self, pose: FloatArray) -> FloatArray:
+    def _best_heading(self, pose: FloatArray) -> FloatArray:
         """A level motion with the heading that fits best: points beside each other on a wall hold back.
 
         A mug's handle is a twelfth of its points; matched one by one the others keep it where it is. What was
@@ -249,14 +249,14 @@ class _Pair:
     def shifted(self, pose: FloatArray, rounds: int = 5) -> FloatArray:
         """A motion moved along, unturned, to where it fits best nearby."""
         for _ in range(rounds):
-            a, b = self._matched(pose)
+            a, b = self._match(pose)
             pose = pose.copy()
             pose[:3, 3] += (b - transformed(a, pose)).mean(axis=0)
         return pose
 
-    def _followed(self, pose: FloatArray, level: bool) -> FloatArray:
+    def _refine(self, pose: FloatArray, level: bool) -> FloatArray:
         for _ in range(ROUNDS):
-            a, b = self._matched(pose)
+            a, b = self._match(pose)
             following = _rigid(a, b)
             if level:
                 following = self._level(following[:3, :3], a.mean(axis=0), b.mean(axis=0))

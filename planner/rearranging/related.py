@@ -39,7 +39,7 @@ def related(document: Mapping[str, Any], situation: Situation) -> Arrangement:
         UnknownObject: It names what is not in the scene.
         NoSafePlan: Somewhere there is no room; or the certificate has the pairs that would not be as told.
     """
-    told = _told(document, situation)
+    told = _pairs_of(document, situation)
     clauses = _clauses(told, situation.scene)
     now = situation.relations
     leaving = {
@@ -48,12 +48,12 @@ def related(document: Mapping[str, Any], situation: Situation) -> Arrangement:
         if relation is Relation.DISJOINT and now.between(*pair).relation is not Relation.DISJOINT
     }
     found = laid_out(clauses, situation, leaving)
-    if missing := _missing(told, found.situation.relations):
+    if missing := _missing_words(told, found.situation.relations):
         raise NoSafePlan(f"relations that would not hold: {'; '.join(missing)}", missing)
     return found
 
 
-def _told(document: Mapping[str, Any], situation: Situation) -> Pairs:
+def _pairs_of(document: Mapping[str, Any], situation: Situation) -> Pairs:
     """The pairs of a document of which one moves."""
     table = told_in(document, situation.relations)
     movable = set(situation.movable)
@@ -94,7 +94,7 @@ def _clauses(told: Pairs, scene: Scene) -> list[Place]:
     return clauses
 
 
-def _missing(told: Pairs, found: RelationTable) -> tuple[str, ...]:
+def _missing_words(told: Pairs, found: RelationTable) -> tuple[str, ...]:
     """Pairs that would not be as told, in words; what is on a plate may also be within its rim."""
     missing: list[str] = []
     for (a, b), wanted in told.items():

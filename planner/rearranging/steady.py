@@ -24,21 +24,21 @@ def steadied(names: Iterable[str], below: Iterable[tuple[str, str]], falling: Fa
     graph.add_edges_from(below)
     still = frozenset[str]()
     for name in list(nx.lexicographical_topological_sort(graph)):
-        while falling(there := _closed(graph, name), still):
+        while falling(there := _with_all_before(graph, name), still):
             later = nx.descendants(graph, name)
             helped = (
                 other
                 for other in sorted(graph)
                 if other not in there and other not in later
-                if not falling(there | _closed(graph, other), still)
+                if not falling(there | _with_all_before(graph, other), still)
             )
-            helper = min(helped, key=lambda other: (len(_closed(graph, other)), other), default=None)
+            helper = min(helped, key=lambda other: (len(_with_all_before(graph, other)), other), default=None)
             if helper is None:
                 break
             graph.add_edge(helper, name)
     return graph
 
 
-def _closed(graph: "nx.DiGraph[str]", name: str) -> Names:
+def _with_all_before(graph: "nx.DiGraph[str]", name: str) -> Names:
     """A thing and all that has to be down before it."""
     return frozenset(nx.ancestors(graph, name)) | {name}

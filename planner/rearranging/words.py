@@ -154,13 +154,13 @@ class _Laying:
                 there = self._there(waiting, but=name)
                 if isinstance(clause, Beside):
                     there = there.without(*self._makes_room(clause, clauses, there))
-                self._poses[name] = self._held(name, there, self._places(clause, there))
+                self._poses[name] = self._steady_motion(name, there, self._places(clause, there))
             waiting.remove(name)
         named = {clause.object for clause in clauses}
         for name in [n for n in start.movable if n not in named]:
             if self._in_the_way(name, clauses):
                 there = self._there((), but=name)
-                self._poses[name] = self._held(name, there, placements(name, there, limit=CHOICE))
+                self._poses[name] = self._steady_motion(name, there, placements(name, there, limit=CHOICE))
         inside = [c for c in clauses if isinstance(c, Place) and c.how is PlaceRelation.WITHIN]
         return Arrangement(self._there(()).scene, pose_free={place.object: place for place in inside})
 
@@ -224,7 +224,7 @@ class _Laying:
         forward = forward / np.linalg.norm(forward)
         return forward, np.asarray(np.cross(up, forward))
 
-    def _held(self, name: str, there: Situation, places: Sequence[Placement]) -> FloatArray:
+    def _steady_motion(self, name: str, there: Situation, places: Sequence[Placement]) -> FloatArray:
         """(4, 4) motion to the first place at which a thing stays, as it then lies.
 
         Raises:

@@ -79,7 +79,7 @@ class Drawing:
         paints = colours | paints_of(taken or photo_of(scene))
         whole = whole_surfaces(scene) if scene.up is not None and len(scene.viewpoints) else {}
         objects = tuple(
-            _drawn(
+            _draw(
                 name,
                 cloud,
                 whole.get(name),
@@ -91,7 +91,7 @@ class Drawing:
         )
         if len(scene.matter):
             grey = (FIXED_COLOUR, FIXED_COLOUR, True)
-            objects += (_drawn("unnamed matter", scene.matter, None, grey, LIMITS.least_points * 10, up),)
+            objects += (_draw("unnamed matter", scene.matter, None, grey, LIMITS.least_points * 10, up),)
         # of what is movable, since a table may be metres wide; of everything where nothing is
         chosen = [drawn for drawn in objects if not drawn.fixed] or list(objects)
         corners = np.concatenate([drawn.corners for drawn in chosen])
@@ -102,7 +102,7 @@ class Drawing:
 
     def beside(self, name: str, points: FloatArray) -> "Drawing":
         """The same with something fixed in it that is in no cloud, by points (N, 3) of it."""
-        drawn = _drawn(name, points, None, (FIXED_COLOUR, FIXED_COLOUR, True), len(points), self.up)
+        drawn = _draw(name, points, None, (FIXED_COLOUR, FIXED_COLOUR, True), len(points), self.up)
         return replace(self, objects=(*self.objects, drawn))
 
     @property
@@ -132,10 +132,10 @@ def view_data(
     path = np.asarray([] if tool_path is None else tool_path, dtype=np.float64).reshape(-1, 3)
     kept = np.unique(np.linspace(0, len(path) - 1, min(len(path), LIMITS.path_points)).astype(np.int64))
     return {
-        "centre": _rounded(drawing.centre),
+        "centre": _round(drawing.centre),
         "radius": round(drawing.radius, 5),
-        "up": _rounded(drawing.up),
-        "eye": _rounded(drawing.eye),
+        "up": _round(drawing.up),
+        "eye": _round(drawing.eye),
         "objects": [_object_json(drawn) for drawn in drawing.objects],
         "relations": [line for line in lines if line is not None],
         "converse": {str(relation): str(relation.converse) for relation in Relation},
@@ -145,7 +145,7 @@ def view_data(
             for tie in (order or {}).get("dependencies", ())
             if (first := str(tie["first"])) in index and (then := str(tie["then"])) in index
         ],
-        "path": [_rounded(point) for point in path[kept]] or None,
+        "path": [_round(point) for point in path[kept]] or None,
         "motion": motion,
     }
 
@@ -184,7 +184,7 @@ def _shares(scene: Scene, points: int) -> Mapping[str, int]:
     return shares
 
 
-def _drawn(
+def _draw(
     name: str,
     cloud: FloatArray,
     whole: FloatArray | None,
@@ -192,10 +192,10 @@ def _drawn(
     share: int,
     up: FloatArray,
 ) -> DrawnObject:
-    points = seen = clean(_thinned(cloud, share))
+    points = seen = clean(_thin(cloud, share))
     if whole is not None and len(whole):
         hidden = whole[PointTree(cloud).query(whole)[0] > LIMITS.guessed]
-        points = np.concatenate([seen, _thinned(hidden, share // 2)]) if len(hidden) else seen
+        points = np.concatenate([seen, _thin(hidden, share // 2)]) if len(hidden) else seen
     mesh: Any = Trimesh(*outline(cloud), process=False)
     corners = mesh.vertices.view(np.ndarray)
     edges = mesh.face_adjacency_edges[mesh.face_adjacency_angles > np.radians(LIMITS.crease)]
@@ -205,7 +205,7 @@ def _drawn(
     return DrawnObject(name, *paint, points, normals, len(seen), spacing, centre, top, corners, edges)
 
 
-def _thinned(cloud: FloatArray, share: int) -> FloatArray:
+def _thin(cloud: FloatArray, share: int) -> FloatArray:
     """Means of a cloud's points in cells, as fine as its share of the points allows."""
     cell = LIMITS.finest
     while len(kept := voxel_means(cloud, cell)) > share:
@@ -265,13 +265,13 @@ def _object_json(drawn: DrawnObject) -> dict[str, Any]:
         "normals": base64.b64encode(np.round(drawn.normals * 127).astype(np.int8).tobytes()).decode("ascii"),
         "seen": drawn.seen,
         "spacing": round(drawn.spacing, 5),
-        "centre": _rounded(drawn.centre),
-        "top": _rounded(drawn.top),
-        "corners": [_rounded(corner) for corner in drawn.corners],
+        "centre": _round(drawn.centre),
+        "top": _round(drawn.top),
+        "corners": [_round(corner) for corner in drawn.corners],
         "edges": drawn.edges.tolist(),
     }
 
 
-def _rounded(point: FloatArray) -> list[float]:
+def _round(point: FloatArray) -> list[float]:
     """Coordinates to a hundredth of a millimetre."""
     return [round(float(value), 5) for value in point]

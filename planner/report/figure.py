@@ -117,7 +117,7 @@ def _frame(
     shown = replace(drawing, objects=tuple(objects))
     pixels = render_clouds(shown, projection, PAPER) if objects else None
     pen = _Pen(SIZE[0], SIZE[1] + 52)
-    for row, line in enumerate(_wrapped(words, SIZE[0] - 32.0, 13)[:2]):
+    for row, line in enumerate(_wrap(words, SIZE[0] - 32.0, 13)[:2]):
         pen.text(16, SIZE[1] + 16 + ROW * row, line)
     whole = pen.image.resize((SIZE[0], SIZE[1] + 52), Image.Resampling.LANCZOS)
     view = _Pen(*SIZE, pixels).image
@@ -178,7 +178,7 @@ def _width(text: str, size: float) -> float:
     return float(_font(size).getlength(text)) / FINE
 
 
-def _wrapped(text: str, width: float, size: float) -> list[str]:
+def _wrap(text: str, width: float, size: float) -> list[str]:
     """A text in lines of at most a width [px]."""
     lines = [""]
     for word in text.split():
@@ -310,7 +310,7 @@ def _order(drawing: Drawing, order: Document) -> "Image.Image":
 
 def draw_list(title: str, lines: Sequence[tuple[Colour | None, str]]) -> "Image.Image":
     """A column of sentences, wrapped, each with its colour before it where it has one."""
-    wrapped = [(colour, _wrapped(text, SIDE - 60.0, 12.5)) for colour, text in lines]
+    wrapped = [(colour, _wrap(text, SIDE - 60.0, 12.5)) for colour, text in lines]
     pen, y = _Pen(SIDE, 62 + ROW * sum(len(texts) for _, texts in wrapped)), 46
     pen.text(16, 18, title, size=15)
     for colour, texts in wrapped:

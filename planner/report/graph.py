@@ -91,7 +91,7 @@ class DrawnGraph:
         graph: nx.DiGraph[str] = nx.DiGraph(_kept(list(reasons)))
         rank = {n: at for at, n in enumerate(dict.fromkeys([*place, *names, *graph]))}
         graph.add_nodes_from(rank)
-        boxes, routes, low = _placed(graph, rank, row)
+        boxes, routes, low = _place_parts(graph, rank, row)
         kept = {edge: reasons[edge] for edge in graph.edges}
         labels = _label_places(routes, kept, boxes)
         ends = [x + width / 2 for x, _, width in boxes.values()]
@@ -154,7 +154,7 @@ def _kept(edges: list[Edge]) -> list[Edge]:
     return [edge for edge in edges if reduced.has_edge(*edge)]
 
 
-def _placed(
+def _place_parts(
     graph: "nx.DiGraph[str]", rank: Mapping[str, int], row: float
 ) -> tuple[dict[str, Box], dict[Edge, list[Point]], float]:
     """Boxes and routes of all parts, and where the lowest ends."""
@@ -252,12 +252,12 @@ def _label_places(
     for edge, route in routes.items():
         size = len(_label(reasons[edge])) * LETTER + 8.0, 14.0
         spots = [_along(route, part) for part in PARTS]
-        labels[edge] = spots[int(np.argmin([_covered(spot, size, taken) for spot in spots]))]
+        labels[edge] = spots[int(np.argmin([_count_covered(spot, size, taken) for spot in spots]))]
         taken.append((*labels[edge], *size, 1))
     return labels
 
 
-def _covered(at: Point, size: Point, taken: Sequence[tuple[float, float, float, float, int]]) -> int:
+def _count_covered(at: Point, size: Point, taken: Sequence[tuple[float, float, float, float, int]]) -> int:
     """How much of what is drawn a label would cover."""
     return sum(
         weight

@@ -91,7 +91,7 @@ class LivePage:
             self._server: Any = viser.ViserServer(host=host, port=port, label="topple", verbose=False)
         self._server.scene.set_up_direction(tuple(self._drawing.up.tolist()))
         self._server.on_client_connect(self._frame)
-        self._objects = {drawn.name: self._drawn(drawn) for drawn in self._drawing.objects}
+        self._objects = {drawn.name: self._draw(drawn) for drawn in self._drawing.objects}
         if plan is not None and plan.arm is not None:
             arm = arm_from(plan.arm, plan.robot)
             self._motion = plan_motion(plan, arm)
@@ -196,10 +196,10 @@ class LivePage:
         for name, pose in poses.items():
             self._objects[name].visible = pose is not None
             if pose is not None:
-                _put(self._objects[name], pose)
+                _set_pose(self._objects[name], pose)
         if (motion := self._motion) is not None:
             for link, handle in self._arm:
-                _put(handle, motion.links[frame, link])
+                _set_pose(handle, motion.links[frame, link])
         for line in self._lines:  # relations are those of the scene that was seen
             line.visible = all(
                 pose is not None and np.array_equal(pose, np.eye(4)) for pose in poses.values()
@@ -211,7 +211,7 @@ class LivePage:
         camera.up_direction = view.up
         camera.position, camera.look_at = (view.eye + view.centre) / 2, view.centre  # its field is wide
 
-    def _drawn(self, drawn: DrawnObject) -> Any:
+    def _draw(self, drawn: DrawnObject) -> Any:
         place, size, scene = f"/objects/{drawn.name}", max(drawn.spacing, 0.002), self._server.scene
         frame = scene.add_frame(place, show_axes=False)
         how: Any = {"point_size": size, "point_shape": "circle", "precision": "float32"}
@@ -230,7 +230,7 @@ class LivePage:
         return "".join(f"\\{letter}" if letter in "\\`*_{}[]()<>#+-.!|&$~" else letter for letter in said)
 
 
-def _put(handle: Any, pose: FloatArray) -> None:
+def _set_pose(handle: Any, pose: FloatArray) -> None:
     handle.position = pose[:3, 3]
     handle.wxyz = np.roll(Rotation.from_matrix(pose[:3, :3]).as_quat(), 1)
 

@@ -32,7 +32,7 @@ def scene_cell(scene: Scene) -> str:
     objects, fixed, size, *_ = str(scene).splitlines()
     view = view_data(Drawing.of(scene, LIMITS.cell_points), {}, None)
     below = sentence_list(scene.assumptions, "Assumptions")
-    return _framed(view_page("Scene", _lead(f"{objects}; {fixed}; {size}"), view, (below, ""), compact=True))
+    return _frame(view_page("Scene", _lead(f"{objects}; {fixed}; {size}"), view, (below, ""), compact=True))
 
 
 def relations_cell(relations: "Relations") -> str:
@@ -40,7 +40,7 @@ def relations_cell(relations: "Relations") -> str:
     scene, found = spoken(relations.scene, (relations.scene, relations.to_json()))
     drawing = Drawing.of(scene, LIMITS.cell_points)
     sides = "", relation_table(found, drawing.index)
-    return _framed(view_page("Relations", "", view_data(drawing, found, None), sides, compact=True))
+    return _frame(view_page("Relations", "", view_data(drawing, found, None), sides, compact=True))
 
 
 def order_cell(order: "Order") -> str:
@@ -48,7 +48,7 @@ def order_cell(order: "Order") -> str:
     found, names = renamed((order.to_json(), order.graph.names), order.called)
     graph = graph_box(DrawnGraph.of(names, found, row=560.0), object_colours(names), {})
     words = order_list(found, {}) + sentence_list(order.assumptions, "Assumptions")
-    return _framed(page("Order", columns(graph, words), {}, (), compact=True), LOW)
+    return _frame(page("Order", columns(graph, words), {}, (), compact=True), LOW)
 
 
 def plan_cell(plan: "Plan") -> str:
@@ -61,23 +61,23 @@ def plan_cell(plan: "Plan") -> str:
     order = order_of(plan)
     if not clouds:
         words = step_list(plan, order, {}) + sentence_list(plan.assumptions, "Assumptions")
-        return _framed(page("Plan", lead + words, {}, (), compact=True), LOW)
+        return _frame(page("Plan", lead + words, {}, (), compact=True), LOW)
     scene = Scene(clouds, [thing.name for thing in plan.objects if thing.fixed], plan.up)
     drawing = Drawing.of(scene, LIMITS.cell_points)
     words = step_list(plan, order, drawing.index) + sentence_list(plan.assumptions, "Assumptions")
-    return _framed(view_page("Plan", lead, view_data(drawing, {}, order), ("", words), compact=True))
+    return _frame(view_page("Plan", lead, view_data(drawing, {}, order), ("", words), compact=True))
 
 
 def run_cell(record: "RunRecord") -> str:
     """The page of a run without its pictures, which would make a notebook of a hundred megabytes."""
-    return _framed(run_page(record, points=2 * LIMITS.cell_points, photos=False, compact=True))
+    return _frame(run_page(record, points=2 * LIMITS.cell_points, photos=False, compact=True))
 
 
 def _lead(text: str) -> str:
     return f'<p class="lead">{escape(text)}.</p>'
 
 
-def _framed(html: str, height: int = TALL) -> str:
+def _frame(html: str, height: int = TALL) -> str:
     """A page in a frame of its own, so that its styles and scripts stay out of the notebook."""
     return (
         f'<iframe srcdoc="{escape(html)}" sandbox="allow-scripts" loading="lazy" '

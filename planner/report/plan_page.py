@@ -85,7 +85,7 @@ def plan_page(
     steps = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}"
     top = _head(plan, bands, refuted=verification is not None and not verification.ok)
     top += glance(photo(scene, drawing, order), steps, dependency_section(scene, drawing, order))
-    right = _checked(verification) + folded("Relations", relation_table(found, drawing.index))
+    right = _check_words(verification) + folded("Relations", relation_table(found, drawing.index))
     right += sentence_list(list(dict.fromkeys(plan.assumptions)), "Assumptions")
     view = view_data(drawing, found, order, None, told)
     return view_page(f"topple: plan to {plan.goal}", top, view, ("", right), arm=shape)
@@ -130,7 +130,7 @@ def _head(plan: Plan, bands: Sequence[Span], *, refuted: bool) -> str:
     )
 
 
-def _checked(found: Verification | None) -> str:
+def _check_words(found: Verification | None) -> str:
     """What its own check by other means found."""
     if found is None:
         return ""

@@ -34,8 +34,8 @@ def arm_shape(arm: Arm | None) -> Document:
         {
             "at": at,
             "colour": css(visual.colour),
-            "vertices": _packed(visual.vertices / STEP),
-            "faces": _packed(visual.faces.ravel()),
+            "vertices": _pack(visual.vertices / STEP),
+            "faces": _pack(visual.faces.ravel()),
         }
         for at, number in enumerate(drawn)
         for visual in seen[number]
@@ -86,8 +86,8 @@ def _poses(poses: FloatArray, centre: FloatArray) -> str:
     """(..., 4, 4) as position and quaternion (x, y, z, w) of 16 bits each, in base64."""
     turns = Rotation.from_matrix(poses[..., :3, :3].reshape(-1, 3, 3)).as_quat()
     places = (poses[..., :3, 3].reshape(-1, 3) - centre) / STEP
-    return _packed(np.concatenate([places, turns * TURN], axis=1))
+    return _pack(np.concatenate([places, turns * TURN], axis=1))
 
 
-def _packed(values: FloatArray | IntArray) -> str:
+def _pack(values: FloatArray | IntArray) -> str:
     return base64.b64encode(np.round(values).clip(-TURN, TURN).astype("<i2").tobytes()).decode("ascii")

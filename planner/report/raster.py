@@ -74,7 +74,7 @@ def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, in
     colours = np.array([drawn.colour for drawn in drawing.objects], dtype=np.float64)
     fixed = np.array([drawn.fixed for drawn in drawing.objects], dtype=np.bool_)[owner]
     spacing = np.array([drawn.spacing for drawn in drawing.objects])[owner]
-    fold = _fold(depth.reshape(height, width), np.where(fixed, np.inf, 2 * spacing).reshape(height, width))
+    fold = _edge(depth.reshape(height, width), np.where(fixed, np.inf, 2 * spacing).reshape(height, width))
     bright = np.maximum(np.abs(light) - fold.ravel() * (10 / drawing.radius), 0.4)
     row, column = np.divmod(np.arange(height * width), width)
     stripe = (row + column) // max(height // 150, 2) % 2 == 0
@@ -128,7 +128,7 @@ def _fill(owner: NDArray[np.int64], tables: list[int]) -> NDArray[np.bool_]:
     return hidden
 
 
-def _fold(depth: FloatArray, slack: FloatArray) -> FloatArray:
+def _edge(depth: FloatArray, slack: FloatArray) -> FloatArray:
     """By how much [m] the neighbours of a pixel stand in front of it: edges."""
     deep = np.where(np.isfinite(depth), depth, 1e9)  # nothing stands before nothing
     near = [np.roll(deep, step, axis=axis) for axis in (0, 1) for step in (-2, 2)]

@@ -54,7 +54,7 @@ class _RunPage:
         scenes = sum(step.scene is not None for step in record.steps) + (record.scene is not None)
         self.arm = arm_shape(record.arm)
         self.points = min(LIMITS.page_points, points // max(scenes, 1))
-        shown = [_shown(step) for step in record.steps]
+        shown = [_photo_of(step) for step in record.steps]
         fixed = frozenset[str]().union(*(step.scene.fixed for step in record.steps if step.scene is not None))
         self.box = around([one for one in shown if one is not None], fixed)  # one for all: they compare
 
@@ -74,7 +74,7 @@ class _RunPage:
         html += bullets([sentence(text) for text in step.events])
         drawing = None if step.scene is None else Drawing.of(step.scene, self.points, step.photo)
         words, graph = self.ordered(drawing, step)
-        done = _facts(step) + _disturbed(step) + _predictions(step)
+        done = _facts(step) + _disturbance_words(step) + _predictions(step)
         html += glance(self.photographed(step, drawing), words, graph + done)
         html += self.seen(drawing, step, "Seen before this step, and what the arm did")
         return f'<section class="step">{html}</section>'
@@ -94,7 +94,7 @@ class _RunPage:
 
     def photographed(self, step: StepRecord, drawing: Drawing | None) -> str:
         """What a camera saw before, its masks outlined, and after."""
-        shown, before, marks, words = _shown(step), step.picture_before, "", ""
+        shown, before, marks, words = _photo_of(step), step.picture_before, "", ""
         if drawing is not None and step.scene is not None and shown is not None:
             marks = masks(shown, self.box, step.scene, drawing, step.order)
             words = said_of_masks(step.scene, step.order)
@@ -138,7 +138,7 @@ class _RunPage:
         return html + told
 
 
-def _shown(step: StepRecord) -> Photo | None:
+def _photo_of(step: StepRecord) -> Photo | None:
     """The photo of a step, with its masks."""
     return step.photo or (None if step.scene is None else photo_of(step.scene))
 
@@ -195,25 +195,25 @@ def _facts(step: StepRecord) -> str:
     if step.robot_seconds is not None:
         facts.append(("the arm moved for", f"{step.robot_seconds:.1f} s (simulated)"))
     if step.slip is not None:
-        facts.append(("slip in the hand", _moved(*step.slip, ", ")))
+        facts.append(("slip in the hand", _way(*step.slip, ", ")))
     return (
         f'<div class="facts">{"".join(f"<div><span>{name}</span>{fact}</div>" for name, fact in facts)}</div>'
     )
 
 
-def _moved(far: float, turn: float, between: str) -> str:
+def _way(far: float, turn: float, between: str) -> str:
     return f"{millimetres(far)}{between}{math.degrees(turn):.1f}°"
 
 
-def _disturbed(step: StepRecord) -> str:
+def _disturbance_words(step: StepRecord) -> str:
     """What moved or was hit and was not meant to, farthest first."""
     if not (names := _disturbed_by(step)):
         far, turn = (max((each[k] for each in step.disturbed.values()), default=0.0) for k in (0, 1))
-        return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_moved(far, turn, ' and ')} at most.</p>"
+        return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_way(far, turn, ' and ')} at most.</p>"
     fell = {name: f"{millimetres(drop)}, {energy:.2f} J" for name, (drop, energy) in step.severity.items()}
     rows = "".join(
         f'<tr class="bad"><td>{escape(name)}</td><td class=number>'
-        f"{_moved(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
+        f"{_way(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
         f"<td class=number>{f'{step.forces[name]:.1f} N' if name in step.forces else ''}</td>"
         f"<td class=number>{f'{step.impulses[name]:.2f} N s' if name in step.impulses else ''}</td>"
         f"<td class=number>{fell.get(name, '')}</td></tr>"

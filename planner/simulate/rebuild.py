@@ -70,7 +70,7 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     """
     upright = statics.upright
     rng = np.random.default_rng(seed)
-    shapes = {name: _moved(shape_of(name, statics), rng.normal(0.0, jitter, 3)) for name in upright.movable}
+    shapes = {name: _move(shape_of(name, statics), rng.normal(0.0, jitter, 3)) for name in upright.movable}
     grounds = {name: ground_of(upright, name, upright.floor) for name in upright.fixed}
     grounds = {name: shape for name, shape in grounds.items() if shape}
     shapes = {name: floor_cut(shape, upright.floor) for name, shape in shapes.items()}
@@ -83,7 +83,7 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     masses = {name: statics.weights[name].mass for name in shapes}
     hidden = statics.sight is not None  # else the mass is where the shape has it
     centres = {name: each.centre for name, each in seats.items()}
-    centres = {**(balanced(seats, masses) if hidden else centres), **_known(upright, shapes)}
+    centres = {**(balanced(seats, masses) if hidden else centres), **_known_centres(upright, shapes)}
     part(shapes)
     bodies: dict[str, Body] = {}
     poses: dict[str, FloatArray] = {}
@@ -104,7 +104,7 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     return Rebuilt(movable, tuple(bodies[name] for name in grounds), poses, upright.floor, friction)
 
 
-def _known(upright: Upright, names: Collection[str]) -> dict[str, FloatArray]:
+def _known_centres(upright: Upright, names: Collection[str]) -> dict[str, FloatArray]:
     """Centres of mass (3,) [m] that are known and so not fitted."""
     return {name: centre for name, centre in upright.centres.items() if name in names}
 
@@ -114,17 +114,17 @@ def shape_of(name: str, statics: Statics) -> Shape:
     surface, seen = statics.surfaces[name], statics.upright.clouds[name]
     whole = name in statics.upright.whole
     sight, viewpoints = (None, None) if whole else (statics.sight, statics.upright.viewpoints)
-    if is_hollow(seen, sight) or _intruded(solid(seen, seen)[0], name, statics):
+    if is_hollow(seen, sight) or _is_intruded(solid(seen, seen)[0], name, statics):
         return shell(surface, seen, viewpoints)
     return solid(surface, seen)
 
 
-def _moved(shape: Shape, offset: FloatArray) -> Shape:
+def _move(shape: Shape, offset: FloatArray) -> Shape:
     """The pieces somewhere else."""
     return [Piece(piece.corners + offset, piece.seen + offset) for piece in shape]
 
 
-def _intruded(whole: Piece, name: str, statics: Statics) -> bool:
+def _is_intruded(whole: Piece, name: str, statics: Statics) -> bool:
     """Whether points of other things lie deep in a hull."""
     others = [points for other, points in statics.upright.clouds.items() if other != name]
     if not others:

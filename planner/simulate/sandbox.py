@@ -80,7 +80,7 @@ class Sandbox:
             body = Body.of(which, bodies[which], mass=mass, friction=rough.get(which, FRICTION))
             world.add(body if centre is None else replace(body, centre_of_mass=centre), level)
 
-        world, level = self._world, _levelling(up)
+        world, level = self._world, _level_turn(up)
         still = {
             other: (parts, rough.get(other, FRICTION), level)
             for other, parts in bodies.items()
@@ -146,7 +146,7 @@ def _same(one: _Standing | None, other: _Standing | None) -> bool:
     return all(a is b or np.array_equal(a, b) for a, b in parts)
 
 
-def _levelling(up: FloatArray) -> FloatArray:
+def _level_turn(up: FloatArray) -> FloatArray:
     """(4, 4) turn that brings up (3,), a unit vector, to z; its transpose is its inverse."""
     axis = np.cross(up, [0.0, 0.0, 1.0])
     pose = np.eye(4)

@@ -42,13 +42,13 @@ def part(shapes: Mapping[str, Shape]) -> None:
     for i, one in enumerate(names):
         for two in names[i + 1 :]:
             a, b = shapes[one], shapes[two]
-            for k, other in _meeting(a, b):
-                cut = _cut(a[k], b[other])
+            for k, other in _overlapping(a, b):
+                cut = _separate(a[k], b[other])
                 if cut is not None:
                     a[k], b[other] = cut
 
 
-def _meeting(a: Sequence[Piece], b: Sequence[Piece]) -> list[tuple[int, int]]:
+def _overlapping(a: Sequence[Piece], b: Sequence[Piece]) -> list[tuple[int, int]]:
     """Pairs of pieces whose boxes overlap."""
     low = [np.array([p.corners.min(axis=0) for p in each]) for each in (a, b)]
     high = [np.array([p.corners.max(axis=0) for p in each]) for each in (a, b)]
@@ -56,7 +56,7 @@ def _meeting(a: Sequence[Piece], b: Sequence[Piece]) -> list[tuple[int, int]]:
     return [(int(k), int(other)) for k, other in np.argwhere(over.all(axis=2))]
 
 
-def _cut(a: Piece, b: Piece) -> tuple[Piece, Piece] | None:
+def _separate(a: Piece, b: Piece) -> tuple[Piece, Piece] | None:
     """Both pieces on their own sides of a plane that takes least of what was seen; None if they are apart."""
     directions = np.concatenate([_DIRECTIONS, _normals(a), -_normals(b)])
     high, low = (a.corners @ directions.T).max(axis=0), (b.corners @ directions.T).min(axis=0)
@@ -255,11 +255,11 @@ def balanced(seats: Mapping[str, Seat], masses: Mapping[str, float]) -> dict[str
         weights = np.array([mass, *(load for load, _ in loads[name])])
         places = np.stack([seat_of.centre[:2], *(place for _, place in loads[name])])
         common = weights @ places / weights.sum()
-        wanted = _carried(common, seat_of.cells) if len(seat_of.cells) else common
+        wanted = _move_over(common, seat_of.cells) if len(seat_of.cells) else common
         shift = (wanted - common) * weights.sum() / mass
         own = seat_of.centre[:2] + shift
         if len(seat_of.cells):
-            own = _carried(own, seat_of.cells)  # it stands without its load, too
+            own = _move_over(own, seat_of.cells)  # it stands without its load, too
         found[name] = np.append(own, seat_of.centre[2])
         for carrier in seat_of.carriers:
             if carrier in loads:
@@ -267,7 +267,7 @@ def balanced(seats: Mapping[str, Seat], masses: Mapping[str, float]) -> dict[str
     return found
 
 
-def _carried(place: FloatArray, cells: FloatArray) -> FloatArray:
+def _move_over(place: FloatArray, cells: FloatArray) -> FloatArray:
     """A place in plan, moved until it lies over the outline of cells."""
     middle = (cells.min(axis=0) + cells.max(axis=0)) / 2
     places = [(1 - share) * place + share * middle for share in np.linspace(0.0, 1.0, 11)]

@@ -176,16 +176,16 @@ def check(scene: AnyScene | Situation, *, margins: bool = True) -> StabilityChec
         )
     footing = Footing.of(situation)
     verdicts = find_verdicts(footing)
-    found = {name: _failing(name, verdict, footing) for name, verdict in verdicts.items()}
+    found = {name: _failed_check(name, verdict, footing) for name, verdict in verdicts.items()}
     names = [name for name, verdict in verdicts.items() if verdict.verdict in STANDING]
     gone = {name for name, verdict in verdicts.items() if verdict.verdict in GONE}
     contacts = [c for c in (*footing.contacts, *footing.unseen) if not gone.intersection((c.a, c.b))]
     for island in islands_of(footing, names, contacts) if margins else ():
-        found |= _standing(as_stack(footing, island), verdicts, footing)
+        found |= _checks(as_stack(footing, island), verdicts, footing)
     return StabilityCheck(found, footing.exact, situation.scene.assumptions)
 
 
-def _failing(name: str, finding: Finding, footing: Footing) -> ObjectCheck:
+def _failed_check(name: str, finding: Finding, footing: Footing) -> ObjectCheck:
     """An object that does not stand, and by how much."""
     amount: float | None = None
     if finding.verdict is Verdict.PENETRATES:
@@ -198,7 +198,7 @@ def _failing(name: str, finding: Finding, footing: Footing) -> ObjectCheck:
     return ObjectCheck(name, finding.verdict, finding.others, amount)
 
 
-def _standing(island: Island, verdicts: Mapping[str, Finding], footing: Footing) -> dict[str, ObjectCheck]:
+def _checks(island: Island, verdicts: Mapping[str, Finding], footing: Footing) -> dict[str, ObjectCheck]:
     """Objects that stand together."""
     loads = island.loads()
     weights = island.weights if island.balanced else {}

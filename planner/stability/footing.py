@@ -138,7 +138,7 @@ def _meetings(
     contacts: list[Contact] = []
     depths: dict[tuple[str, str], float] = {}
     for i, j in near_pairs(lower, upper, touch).tolist():
-        a, b = _rising(names[i], names[j], scene, solids)
+        a, b = _lower_first(names[i], names[j], scene, solids)
         if a in scene.fixed and b in scene.fixed:
             continue
         deep = depth(solids[a], solids[b], DEEPEST)
@@ -156,7 +156,7 @@ def _round(contacts: Iterable[Contact]) -> frozenset[str]:
     return frozenset(name for contact in faceted for name in (contact.a, contact.b))
 
 
-def _rising(a: str, b: str, scene: Scene, solids: Mapping[str, Polyhedron]) -> tuple[str, str]:
+def _lower_first(a: str, b: str, scene: Scene, solids: Mapping[str, Polyhedron]) -> tuple[str, str]:
     """Two names, what is fixed or lower first."""
     one, other = sorted((a, b), key=lambda n: (n not in scene.fixed, float(solids[n].vertices[:, 2].mean())))
     return one, other

@@ -74,7 +74,7 @@ def mend(scene: AnyScene) -> Mended:
         situation = Situation.of(best)
         footing = Footing.of(situation)
         verdicts = find_verdicts(footing)
-        wanted = _wanted(verdicts, footing)
+        wanted = _wanted_moves(verdicts, footing)
         added = {name: shifts.get(name, np.zeros(3)) + shift for name, shift in wanted.items()}
         added = {name: shift for name, shift in added.items() if np.linalg.norm(shift) <= LEAST_MOVE}
         if not added:
@@ -85,7 +85,7 @@ def mend(scene: AnyScene) -> Mended:
     return Mended(shifts, {n: verdict for n, verdict in left.items() if verdict not in STANDING}, best)
 
 
-def _wanted(verdicts: Mapping[str, Finding], footing: Footing) -> dict[str, FloatArray]:
+def _wanted_moves(verdicts: Mapping[str, Finding], footing: Footing) -> dict[str, FloatArray]:
     """How far what does not stand by itself should go, in the world [m], and with it what is on it."""
     found: dict[str, FloatArray] = {}
     height = {name: float(weight.centre[2]) for name, weight in footing.weights.items()}

@@ -97,7 +97,7 @@ def fallen(footing: Footing, free: Collection[str], contacts: Sequence[Contact])
             work -= standing
             if not work:
                 break
-            failing = _moving(work, footing, near)
+            failing = _first_to_move(work, footing, near)
         found |= failing
         gone += failing
         work -= failing.keys()
@@ -124,7 +124,7 @@ def _slides(footing: Footing, names: Collection[str], near: Iterable[Contact]) -
     return Verdict.SLIDES if held(footing, names, gripping) >= frozenset(names) else Verdict.TIPS
 
 
-def _moving(work: Collection[str], footing: Footing, near: Sequence[Contact]) -> dict[str, Finding]:
+def _first_to_move(work: Collection[str], footing: Footing, near: Sequence[Contact]) -> dict[str, Finding]:
     """Of objects each of which would stand if the others stayed, those that give way first."""
     weights = {name: weight for name, weight in footing.weights.items() if name in work}
     closed = [replace(c, gaps=0.0 * c.gaps) for c in near if c.a in work or c.b in work]

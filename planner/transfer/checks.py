@@ -126,7 +126,7 @@ class Checks:
                 self.pose_base_to_world,
                 bodies,
                 tool_state=state,
-                attached=None if held is None else self._attached(held),
+                attached=None if held is None else self._attachment(held),
                 allow=self._may_touch(kind, grasp, into, lenient),
                 margin=margin,
             )
@@ -173,7 +173,7 @@ class Checks:
             and not apart(self.bodies[self.name], self.bodies[other], CONTACT)
         )
 
-    def _attached(self, grasp: Grasp) -> Attachment:
+    def _attachment(self, grasp: Grasp) -> Attachment:
         to_tool: FloatArray = np.linalg.inv(self.tool_pose(grasp)).astype(np.float64)
         parts = [part for name in self.own for part in self.bodies[name]]
         return Attachment(moved(parts, to_tool), grasp.tool, self.name)

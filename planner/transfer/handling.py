@@ -173,7 +173,7 @@ class Handling(Checks):
         """Straight the way out with the object: off what it stands on first, where that is not up."""
         stage = self._stage(SegmentKind.LIFT, state, log)
         moves = self._moves(self.situation.way_out(self.name), length)
-        self._straight(stage, state, *(_translated(self.tool_pose(state.grasp), move) for move in moves))
+        self._straight(stage, state, *(_translate(self.tool_pose(state.grasp), move) for move in moves))
         self.bears(stage, state.grasp)
         return stage
 
@@ -191,9 +191,9 @@ class Handling(Checks):
 
     def _straight(self, stage: Stage, state: Reached, *targets: FloatArray, backwards: bool = False) -> None:
         """Give a stage the straight way from a state past tool poses (4, 4) in the world, if there is one."""
-        stage.straight(self._continued(state.q[None], state.grasp, *targets), state.q, backwards)
+        stage.straight(self._continue(state.q[None], state.grasp, *targets), state.q, backwards)
 
-    def _continued(self, path: FloatArray | None, grasp: Grasp, *targets: FloatArray) -> FloatArray | None:
+    def _continue(self, path: FloatArray | None, grasp: Grasp, *targets: FloatArray) -> FloatArray | None:
         """A path (k, n) and the straight way on from its end past tool poses (4, 4) in the world, if any."""
         for target in targets:
             if path is not None:
@@ -250,7 +250,7 @@ class Handling(Checks):
             poses = [p.pose_before_to_after @ self.tool_pose(grasp) @ back for p in found]
             if checker is carrying and way:
                 both = zip(poses, found, strict=True)
-                poses = [_translated(pose, self._moves_out(place, way)[-1]) for pose, place in both]
+                poses = [_translate(pose, self._moves_out(place, way)[-1]) for pose, place in both]
             clear = self._clear_of([grasp] * len(found), poses, [checker] * len(found), step, log)
             found = [place for place, free in zip(found, clear, strict=True) if free]
         return found
@@ -314,7 +314,7 @@ class Handling(Checks):
         out = np.array([to_base @ target @ back for _, target, _ in tried])
         raised = straight_lines(self.arm, states, above, grasp.tool)
         for k, ((_, target, _), (_, *then)) in enumerate(zip(tried, moves, strict=True)):
-            raised[k] = self._continued(raised[k], grasp, *(_translated(target, move) for move in then))
+            raised[k] = self._continue(raised[k], grasp, *(_translate(target, move) for move in then))
         drawn = straight_lines(self.arm, states, out, grasp.tool)
         found: list[Placement] = []
         for (place, _, q), rising, leaving in zip(tried, raised, drawn, strict=True):
@@ -329,7 +329,7 @@ class Handling(Checks):
                 yield End(place, lower.way, retreat.way)
 
 
-def _translated(pose: FloatArray, move: FloatArray) -> FloatArray:
+def _translate(pose: FloatArray, move: FloatArray) -> FloatArray:
     """A pose (4, 4) that is elsewhere by (3,) [m]."""
     shifted = pose.copy()
     shifted[:3, 3] += move

@@ -146,7 +146,7 @@ def plan_transfer(
     if grasps is None:
         few = find(arm, enough=limits.enough) if limits.enough < np.inf and not avoid else []
         grasps = few or _others(find(arm, dropped=dropped), avoid)
-        if grasps and spare and all(grasp.tool in _tired(avoid) for grasp in grasps):
+        if grasps and spare and all(grasp.tool in _tired_tools(avoid) for grasp in grasps):
             grasps = _others(find(tools=list(spare.values())), avoid) or grasps
             changed = True
     else:
@@ -183,12 +183,12 @@ def no_grasp(name: str, dropped: Dropped, scene: Scene) -> TransferFailure:
 
 def _others(grasps: list[Grasp], avoid: Sequence[Grasp]) -> list[Grasp]:
     """The grasps by a tool that did not fail time and again, and not near one that failed, if there are."""
-    tired = _tired(avoid)
+    tired = _tired_tools(avoid)
     far = [grasp for grasp in grasps if not any(grasp.near(other) for other in avoid)]
     return [grasp for grasp in far if grasp.tool not in tired] or far or grasps
 
 
-def _tired(failed: Sequence[Grasp]) -> set[str]:
+def _tired_tools(failed: Sequence[Grasp]) -> set[str]:
     """Tools that failed so often that another one should be tried."""
     counts = Counter(grasp.tool for grasp in failed)
     return {tool for tool, count in counts.items() if count >= TIRED}

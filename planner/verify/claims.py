@@ -125,11 +125,11 @@ def _in_hand(replay: Replay, step: int) -> str:
     return "it stays in the hand, as its step says" if kept else ""
 
 
-def _falling(replay: Replay, step: int) -> str:
+def _falling_words(replay: Replay, step: int) -> str:
     return "it is let go to fall, as its step says" if replay.plan.steps[step].placement.falls else ""
 
 
-def _unseen(replay: Replay, step: int) -> str:
+def _unseen_words(replay: Replay, step: int) -> str:
     words = "the hand comes in where no camera saw that there is nothing, as its step says"
     return words if replay.plan.steps[step].unseen else ""
 
@@ -227,7 +227,7 @@ OF_STEPS = (
         "no seen point is entered",
         "clouds against links and load",
         (Check("seen points entered", clouds.entered, "m", most.NOISE),),
-        unshown=(_no_motion, _unseen),
+        unshown=(_no_motion, _unseen_words),
     ),
     Claim(
         "the arm can follow",
@@ -297,7 +297,7 @@ OF_STEPS = (
             Check("outside of its container after letting go", rest.out_of_container, "m", 0.0),
             Check("said to fall, and stays", rest.excused),
         ),
-        unshown=(_in_hand, _never_let_go, _falling),
+        unshown=(_in_hand, _never_let_go, _falling_words),
     ),
 )
 OF_PLANS = (

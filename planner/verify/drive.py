@@ -92,10 +92,10 @@ def strayed(replay: Replay) -> Iterator[Finding]:
     """
     for piece, way in replay.once(driven):
         if len(way.times) > 1 and (np.diff(way.times) > 0.0).all():
-            yield piece.finds(_strayed(replay.arm, piece.segment.tool, *way))
+            yield piece.finds(_stray(replay.arm, piece.segment.tool, *way))
 
 
-def _strayed(arm: Arm, tool: str, times: FloatArray, positions: FloatArray, velocities: FloatArray) -> float:
+def _stray(arm: Arm, tool: str, times: FloatArray, positions: FloatArray, velocities: FloatArray) -> float:
     begin, way = (
         np.repeat(each, len(QUARTERS), axis=0) for each in (positions[:-1], np.diff(positions, axis=0))
     )

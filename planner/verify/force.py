@@ -68,7 +68,7 @@ class Weights:
         if sum(likely.values()) > self.arm.payload:
             self.guessed.setdefault(piece.index, f"{sum(likely.values()):.2g} of {self.arm.payload:g} kg")
         if sum(likely.values()) > 0.0:
-            self._hold(piece, likely, centres, np.vstack(parts[piece.step.object]))
+            self._hold_load(piece, likely, centres, np.vstack(parts[piece.step.object]))
 
     def _rate(self, piece: Piece, mass: float) -> None:
         """A mass that is known against what the arm is rated for, and against the most that a hand holds."""
@@ -88,7 +88,7 @@ class Weights:
             centre = transformed(middle[None], to_flange)[0]
         return strain(self.arm, piece.states[::-COARSE], self._base_up, mass, centre)
 
-    def _hold(
+    def _hold_load(
         self,
         piece: Piece,
         masses: Mapping[str, float],

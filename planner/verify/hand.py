@@ -140,7 +140,7 @@ def elsewhere(replay: Replay) -> Iterator[Finding]:
             yield Finding(1.0, f"step {index + 1} ({step.object}): {how or 'table'}", index)
 
 
-def _handed(replay: Replay, how: Away) -> Iterator[Piece]:
+def _last_pieces(replay: Replay, how: Away) -> Iterator[Piece]:
     """The last pieces of steps that end in one way, the object where it is to be then."""
     for piece in replay.last():
         where = piece.held if how in IN_HAND else piece.poses
@@ -156,7 +156,7 @@ def _destination(replay: Replay) -> FloatArray:
 
 def short_of_clear(replay: Replay) -> Iterator[Finding]:
     """How much of the distance that a lift ends at from everything is lacking [m]."""
-    for piece in _handed(replay, Away.LIFT):
+    for piece in _last_pieces(replay, Away.LIFT):
         own = replay.body(piece, piece.step.object)
         gaps = (_gap(own, moved(replay.parts[other], pose)) for other, pose in piece.poses.items())
         yield piece.finds(LIFT_CLEAR - min(gaps, default=np.inf))
@@ -164,7 +164,7 @@ def short_of_clear(replay: Replay) -> Iterator[Finding]:
 
 def beside_point(replay: Replay) -> Iterator[Finding]:
     """How far from their point things are held out [m]."""
-    for piece in _handed(replay, Away.HAND_OVER):
+    for piece in _last_pieces(replay, Away.HAND_OVER):
         point, corners = _destination(replay)[:3, 3], np.vstack(replay.body(piece, piece.step.object))
         aside = np.maximum(corners.min(axis=0) - point, point - corners.max(axis=0))
         yield piece.finds(float(aside.max()))
@@ -172,7 +172,7 @@ def beside_point(replay: Replay) -> Iterator[Finding]:
 
 def off_area(replay: Replay) -> Iterator[Finding]:
     """How far things stand out from the area that is vouched for [m]."""
-    for piece in _handed(replay, Away.ZONE):
+    for piece in _last_pieces(replay, Away.ZONE):
         assert replay.plan.away is not None
         own = transformed(np.vstack(replay.body(piece, piece.step.object)), inverse(_destination(replay)))
         half = np.array(replay.plan.away.size[:2]) / 2.0

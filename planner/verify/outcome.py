@@ -82,7 +82,7 @@ def out_of_seen_order(replay: Replay) -> Iterator[Finding]:
         waited.append({index for before in step.after for index in (before, *waited[before])})
     # what goes along with a container that is kept upright need not go before it
     along = {(held.object, step.object) for step in plan.steps for held in step.attachments if step.upright}
-    for edge in _derived(replay, situation):
+    for edge in _derive(replay, situation):
         before, then = edge.first, edge.then
         doubted = edge.confidence < LIKELY and (before, then) in against
         if doubted or then not in first or (before, then) in along:
@@ -94,7 +94,7 @@ def out_of_seen_order(replay: Replay) -> Iterator[Finding]:
             yield Finding(1.0, words, first[then])
 
 
-def _derived(replay: Replay, situation: Situation) -> "tuple[Dependency, ...]":
+def _derive(replay: Replay, situation: Situation) -> "tuple[Dependency, ...]":
     """The dependencies of what was seen, as a fixture leaves them that has not let go by then."""
     from topple.planner.decide.dependency import DependencyGraph, dependencies, with_fixture
 

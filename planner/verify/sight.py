@@ -11,7 +11,7 @@ from topple.planner.verify.replay import Finding, Piece, Replay
 from topple.robots.poses import inverse
 
 
-def _seen(replay: Replay) -> tuple[tuple[Piece, bool], ...]:
+def _ways_in_seen(replay: Replay) -> tuple[tuple[Piece, bool], ...]:
     """Tell of every way in, after the steps before it, whether cameras saw it to be empty."""
     shapes, situation = shapes_of(replay.arm), replay.situation
     poses, found = {name: np.eye(4) for name in replay.parts}, list[tuple[Piece, bool]]()
@@ -31,14 +31,14 @@ def _seen(replay: Replay) -> tuple[tuple[Piece, bool], ...]:
 
 def unsaid(replay: Replay) -> Iterator[Finding]:
     """Steps that keep quiet about a hand that comes in unseen."""
-    for piece, seen in replay.once(_seen):
+    for piece, seen in replay.once(_ways_in_seen):
         if not seen and not piece.step.unseen:
             yield Finding(1.0, f"step {piece.index + 1} ({piece.step.object})", piece.index)
 
 
 def said(replay: Replay) -> Iterator[str]:
     """Say which steps call a hand unseen that was seen all the way."""
-    for piece, seen in replay.once(_seen):
+    for piece, seen in replay.once(_ways_in_seen):
         if seen and piece.step.unseen:
             yield (
                 f"step {piece.index + 1} ({piece.step.object}) says that its hand comes in unseen: "

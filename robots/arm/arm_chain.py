@@ -60,7 +60,7 @@ def arm_chain(
             f"{tree.name}: group={group} and [arm] of the gripper file both name the arm: give one"
         )
     if part is not None and named:
-        joints = _named(tree, part)
+        joints = _named_joints(tree, part)
     elif semantics is not None and (group is not None or _arm_groups(tree, semantics)):
         joints = _of_group(tree, semantics, group)
     elif group is not None:
@@ -71,7 +71,7 @@ def arm_chain(
     if joints is None:
         if not rest:
             return None
-        joints = tuple(e.joint for e in _unbranched(tree) if e.joint not in rest)
+        joints = tuple(e.joint for e in _joints_to_branch(tree) if e.joint not in rest)
     last = tree.edge(joints[-1])
     assert last is not None
     kept = {*joints, *(e.joint for e in tree.below(last.child))} - set(rest)
@@ -79,7 +79,7 @@ def arm_chain(
     return ArmChain(joints, last.child, still)
 
 
-def _named(tree: Tree, part: ArmPart) -> tuple[str, ...]:
+def _named_joints(tree: Tree, part: ArmPart) -> tuple[str, ...]:
     """The joints that a gripper file names."""
     if part.joints is None:
         if part.tip not in tree.links:
@@ -158,7 +158,7 @@ def _of_group(tree: Tree, semantics: Semantics, group: str | None) -> tuple[str,
     return _in_series(tree, names, f"{where}: group {group!r}")
 
 
-def _unbranched(tree: Tree) -> list[Edge]:
+def _joints_to_branch(tree: Tree) -> list[Edge]:
     """The moving joints from the root to where moving parts branch."""
     path: list[Edge] = []
     link = tree.root

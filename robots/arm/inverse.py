@@ -150,18 +150,18 @@ def _step(
     jacobian = chain.jacobian(frames, _at(frames[:, -1], point))
     # damping that fades with the error (Sugihara 2011): robust far away, quadratic near the solution
     damping = 0.05 * np.sum(error * error, axis=1) + 1e-7
-    delta = _damped(jacobian, error, damping)
+    delta = _damped_step(jacobian, error, damping)
     blocked = ((q <= chain.lower) & (delta < 0)) | ((q >= chain.upper) & (delta > 0))
     again = np.flatnonzero(blocked.any(axis=1))
     if len(again):
         reduced = jacobian[again] * ~blocked[again][:, None, :]
-        delta[again] = _damped(reduced, error[again], damping[again])
+        delta[again] = _damped_step(reduced, error[again], damping[again])
     size = np.abs(delta).max(axis=1, keepdims=True)
     delta *= np.minimum(1.0, largest / np.maximum(size, 1e-12))
     return np.clip(q + delta, chain.lower, chain.upper)
 
 
-def _damped(jacobian: FloatArray, error: FloatArray, damping: FloatArray) -> FloatArray:
+def _damped_step(jacobian: FloatArray, error: FloatArray, damping: FloatArray) -> FloatArray:
     transposed = jacobian.transpose(0, 2, 1)
     normal = np.matmul(jacobian, transposed)
     normal[:, np.arange(6), np.arange(6)] += damping[:, None]

@@ -43,7 +43,7 @@ def prepared(
     model = model_of(robot, path, fine=fine)
     name = str(robot.get("name", path.stem)) or path.stem
     made = ElementTree.Element("robot", name=name)
-    carried = _carried(model, groups)
+    carried = _carrying_links(model, groups)
     massless: list[str] = []
     for element in robot.findall("link"):
         made.append(_link(element, model, carried, massless, path))
@@ -65,7 +65,7 @@ def prepared(
     return stored(ElementTree.tostring(made, encoding="unicode"), _plain(name), ".urdf"), tuple(assumed)
 
 
-def _carried(model: Model, groups: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, FloatArray]]:
+def _carrying_links(model: Model, groups: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, FloatArray]]:
     """Link -> the link that takes over its collision geometry, and its pose (4, 4) there."""
     found: dict[str, tuple[str, FloatArray]] = {}
     for carrier, links in groups.items():

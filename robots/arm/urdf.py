@@ -197,7 +197,7 @@ def xml_root(path: Path, kind: str) -> ElementTree.Element:
         InvalidInput: If the file cannot be read, or is something else.
     """
     try:
-        robot = _parsed(read_bytes(path, str(path)))
+        robot = _parse(read_bytes(path, str(path)))
     except OSError as error:
         raise InvalidInput(
             f"{path}: cannot be read ({error.strerror}); give the path of {kind} file"
@@ -217,7 +217,7 @@ def xml_root(path: Path, kind: str) -> ElementTree.Element:
     return robot
 
 
-def _parsed(data: bytes) -> ElementTree.Element:
+def _parse(data: bytes) -> ElementTree.Element:
     """The root element; prefixes such as `drake:` are often used without being declared."""
     try:
         return ElementTree.fromstring(data)

@@ -53,7 +53,7 @@ def _of_link(link: str, arm: Arm, most: float) -> list[Visual]:
 @lru_cache(maxsize=64)
 def _in_file(path: Path, link: str) -> tuple[Visual, ...]:
     """The visuals of a link as its files have them: pages and cameras make them coarse, each as it needs."""
-    return tuple(part for element in _elements(path)[link] for part in _drawn(element, path))
+    return tuple(part for element in _elements(path)[link] for part in _visuals_of(element, path))
 
 
 @lru_cache(maxsize=4)
@@ -73,7 +73,7 @@ def _elements(path: Path) -> Mapping[str, list[tuple[Element, FloatArray | None]
     }
 
 
-def _drawn(visual: tuple[Element, FloatArray | None], path: Path) -> Iterator[Visual]:
+def _visuals_of(visual: tuple[Element, FloatArray | None], path: Path) -> Iterator[Visual]:
     import trimesh
 
     element, given = visual

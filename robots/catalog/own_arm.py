@@ -87,7 +87,7 @@ def arm_from_file(
             "clear of anything: expected <collision> in its links, or a <visual> at least that can be read"
         )
     check_names(wanted, model, where)
-    model, jaw, fingers = _hinged(robot, model, wanted)
+    model, jaw, fingers = _hinged_jaw(robot, model, wanted)
     fine = () if jaw is None else jaw.links
     if jaw is None:
         fingers = _fingers(model, wanted.jaw)
@@ -244,7 +244,7 @@ def _fingers(model: Model, jaw: Jaw | None) -> Fingers | None:
     return find_fingers(model) if jaw is None else Fingers(palm_of(model, jaw.joints), tuple(jaw.joints))
 
 
-def _hinged(
+def _hinged_jaw(
     robot: ElementTree.Element, model: Model, wanted: GripperFile
 ) -> tuple[Model, Tool | None, Fingers | None]:
     """The model, cut for the jaw of which one finger turns where such is at the end, and that jaw."""

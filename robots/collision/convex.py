@@ -26,7 +26,7 @@ def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:
     try:
         hull = ConvexHull(points)
     except QhullError:
-        hull = ConvexHull(_thickened(points))
+        hull = ConvexHull(_thicken(points))
     index = np.full(len(hull.points), -1)
     index[hull.vertices] = np.arange(len(hull.vertices))
     triangles: IntArray = index[hull.simplices]
@@ -37,7 +37,7 @@ def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:
     return vertices, triangles
 
 
-def _thickened(points: FloatArray) -> FloatArray:
+def _thicken(points: FloatArray) -> FloatArray:
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 1e-4
     return (points[:, None, :] + corners).reshape(-1, 3)
 
@@ -53,12 +53,12 @@ def reduced(vertices: FloatArray, tolerance: float = REDUCTION) -> tuple[FloatAr
         (K, 3) kept vertices and the error in [m]: the whole hull lies within that distance of the kept ones'
         hull.
     """
-    kept, error = _reduced(np.ascontiguousarray(vertices, dtype=float).tobytes(), float(tolerance))
+    kept, error = _reduce(np.ascontiguousarray(vertices, dtype=float).tobytes(), float(tolerance))
     return kept, error
 
 
 @lru_cache(maxsize=4096)
-def _reduced(data: bytes, tolerance: float) -> tuple[FloatArray, float]:
+def _reduce(data: bytes, tolerance: float) -> tuple[FloatArray, float]:
     vertices = np.frombuffer(data).reshape(-1, 3)
     if len(vertices) <= 16:
         return frozen(vertices), 0.0

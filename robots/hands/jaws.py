@@ -212,8 +212,8 @@ class _Hand:
         half = int(keep[len(keep) // 2])
         pose, pads = self._frame(first, second, states[half], turn)
         arc = np.round(ends[keep] - ends[half], 6)
-        link, pose = self._mounted(given, pose)
-        moving = self._following(shut, wide)
+        link, pose = self._mount(given, pose)
+        moving = self._moving_joints(shut, wide)
         jaw = ParallelJaw(
             joints=moving,
             links=(first, second),
@@ -270,7 +270,7 @@ class _Hand:
         size = np.maximum(high - low, LEAST_PAD)
         return pose, (float(size[0]), float(size[2]))
 
-    def _mounted(self, given: Jaw, pose_in_palm: FloatArray) -> tuple[str, FloatArray]:
+    def _mount(self, given: Jaw, pose_in_palm: FloatArray) -> tuple[str, FloatArray]:
         """The tool link and the frame's pose in it."""
         palm = self._fingers.palm
         if given.link is None or given.link == palm:
@@ -278,12 +278,12 @@ class _Hand:
             return palm, pose
         if given.offset is not None:
             return given.link, pose_of_offset(given.offset)
-        (anchor, to_anchor), (other, palm_to_anchor) = self._anchored(given.link), self._anchored(palm)
+        (anchor, to_anchor), (other, palm_to_anchor) = self._anchor(given.link), self._anchor(palm)
         if anchor != other:
             self._refuse(f"are not fixed to the link {given.link!r}, so its `offset` must be given:")
         return given.link, inverse(to_anchor) @ palm_to_anchor @ pose_in_palm
 
-    def _anchored(self, link: str) -> tuple[str, FloatArray]:
+    def _anchor(self, link: str) -> tuple[str, FloatArray]:
         """The moving link that a link is fixed to, and its pose (4, 4) there."""
         pose = np.eye(4)
         while link in self._model.joints and self._model.joints[link].kind == "fixed":
@@ -291,7 +291,7 @@ class _Hand:
             pose, link = joint.pose_child_to_parent @ pose, joint.parent
         return link, pose
 
-    def _following(self, shut: Mapping[str, float], wide: Mapping[str, float]) -> tuple[str, ...]:
+    def _moving_joints(self, shut: Mapping[str, float], wide: Mapping[str, float]) -> tuple[str, ...]:
         """The driven joints and those that mimic them, as far as they move."""
         hand = [joint.name for joint in self._model.joints.values() if moves(joint, self._fingers)]
         ordered = [*self._fingers.drivers, *(name for name in hand if name not in self._fingers.drivers)]

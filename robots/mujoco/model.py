@@ -111,7 +111,7 @@ def _add_pair(spec: Any, a: Shape, b: Shape) -> None:
 
 def _add_weld(spec: Any, name: str, link: str | None, pose: FloatArray, point: FloatArray) -> None:
     """Hold a body to a link, or to the world, as it is."""
-    _, quaternion = _placed(pose)
+    _, quaternion = _position_and_quaternion(pose)
     weld = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_WELD, name=weld_name(name, link), objtype=mujoco.mjtObj.mjOBJ_BODY,
         name1="world" if link is None else f"robot {link}", name2=name, solref=STIFF, solimp=HARD,
@@ -131,14 +131,14 @@ def weld_name(name: str, link: str | None) -> str:
 
 
 def _add_body(spec: Any, body: Body, pose: FloatArray, fixed: bool) -> list[Shape]:
-    position, quaternion = _placed(pose)
+    position, quaternion = _position_and_quaternion(pose)
     added = spec.worldbody.add_body(name=body.name, pos=position, quat=quaternion)
     if not fixed:
         added.add_freejoint(name=body.name)
         moments, inertial = principal_axes(body)
         added.explicitinertial = True
         added.mass, added.inertia = body.mass, moments
-        added.ipos, added.iquat = _placed(inertial)
+        added.ipos, added.iquat = _position_and_quaternion(inertial)
     shapes: list[Shape] = []
     for k, part in enumerate(body.parts):
         name = f"{body.name} {k}"
@@ -153,7 +153,7 @@ def _add_part(spec: Any, body: Any, name: str, part: FloatArray, group: int) -> 
     common = {"name": name, "group": group, "contype": 0, "conaffinity": 0, "mass": 0.0}
     if (box := _as_box(part)) is not None:
         pose, half = box
-        position, quaternion = _placed(pose)
+        position, quaternion = _position_and_quaternion(pose)
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, pos=position, quat=quaternion, **common)
         return
     mesh = spec.add_mesh(name=name, uservert=np.asarray(part).ravel())
@@ -198,7 +198,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
         joint = arm.model.joints.get(link)
         parent = spec.worldbody if joint is None else added[joint.parent]
         pose = pose_base_to_world if joint is None else joint.pose_child_to_parent
-        position, quaternion = _placed(pose)
+        position, quaternion = _position_and_quaternion(pose)
         body = parent.add_body(name=f"robot {link}", pos=position, quat=quaternion)
         added[link] = body
         if joint is not None and (joint.name in driven or joint.name in hand):
@@ -212,7 +212,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
         body.gravcomp = 1.0 if beyond and hand else 0.0
         if (inertial := arm.model.links[link].inertial) is not None:
             body.explicitinertial, body.mass = True, inertial.mass
-            body.ipos, _ = _placed(inertial.pose_inertial_to_link)
+            body.ipos, _ = _position_and_quaternion(inertial.pose_inertial_to_link)
             axes = inertial.pose_inertial_to_link[:3, :3]
             turned = axes @ _possible(inertial.tensor) @ axes.T
             body.fullinertia = [turned[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
@@ -259,7 +259,7 @@ def _possible(tensor: FloatArray) -> FloatArray:
     return axes @ np.diag(moments) @ axes.T
 
 
-def _placed(pose: FloatArray) -> tuple[list[float], list[float]]:
+def _position_and_quaternion(pose: FloatArray) -> tuple[list[float], list[float]]:
     """Position and quaternion, w x y z, of a (4, 4) pose."""
     position, (x, y, z, w) = position_and_quaternion(pose)
     return position, [w, x, y, z]

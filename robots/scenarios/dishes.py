@@ -24,10 +24,10 @@ def dishes(seed: int = 0) -> Scenario:
     Returns:
         The scenario: `plate`, `spoon_1`, `spoon_2`, `fork`, `can`.
     """
-    return settled("dishes", seed, _layout)
+    return settled("dishes", seed, _lay_out)
 
 
-def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _lay_out(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     diameter = rng.uniform(0.24, 0.26)
     middle = np.array([rng.uniform(-0.03, 0.03), rng.uniform(-0.04, 0.04), 0.0])
     world.add(plate(diameter=diameter, height=RIM), pose_at(*middle))
@@ -39,7 +39,7 @@ def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[
         body = fork(name) if name == "fork" else spoon(name, length=rng.uniform(0.185, 0.2))
         world.add(body, _across_rim(middle, angle, rng))
     gap = first + (rng.integers(3) + 0.5) * 2 * np.pi / 3
-    world.add(can(height=rng.uniform(0.09, 0.11)), _leaning(middle, diameter / 2, gap, rng))
+    world.add(can(height=rng.uniform(0.09, 0.11)), _leaning_pose(middle, diameter / 2, gap, rng))
     if overlap(world) > 5e-4:
         raise Unlucky("two things would be in the same place")
     settle(world)
@@ -55,7 +55,7 @@ def _across_rim(middle: FloatArray, angle: float, rng: np.random.Generator) -> F
     return pose_at(place[0], place[1], 0.0185, turn)
 
 
-def _leaning(middle: FloatArray, radius: float, angle: float, rng: np.random.Generator) -> FloatArray:
+def _leaning_pose(middle: FloatArray, radius: float, angle: float, rng: np.random.Generator) -> FloatArray:
     """(4, 4) pose of a can with its bottom's edge on the table and its side on the rim."""
     rise = np.radians(rng.uniform(18, 38))  # of the can's axis above the table, pointing over the plate
     lowest = radius + (RIM + 0.001) / np.tan(rise)  # where the edge stands, from the plate's middle

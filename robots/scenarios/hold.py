@@ -57,7 +57,7 @@ def _packets(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple
         lean = pose_at(side * foot, side * aside, low, Rotation.from_euler("y", -side * tilt))
         body = box(name, (thick, wide, high), density=rng.uniform(150, 350), color=PAINT[name])
         world.add(body, about @ lean)
-    return _standing(world, "free left" if rng.random() < 0.5 else "free right")
+    return _stand_up(world, "free left" if rng.random() < 0.5 else "free right")
 
 
 def _plank(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
@@ -72,7 +72,7 @@ def _plank(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[s
     for name, side, lever, tall in zip(("load", "weight"), (-1, 1), levers, heights, strict=True):
         body = box(name, (0.05, 0.05, tall), density=2 * CARD.density, color=PAINT[name])
         world.add(body, about @ pose_at(side * lever, 0.0, high + thick + 4e-4))
-    return _standing(world, "free plank")
+    return _stand_up(world, "free plank")
 
 
 def _bowl(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
@@ -112,7 +112,7 @@ def _somewhere(rng: np.random.Generator) -> FloatArray:
     return pose_at(x, y, 0.0, Rotation.from_euler("z", yaw))
 
 
-def _standing(world: PhysicalWorld, goal: str) -> tuple[str, tuple[str, ...]]:
+def _stand_up(world: PhysicalWorld, goal: str) -> tuple[str, tuple[str, ...]]:
     """Goal and target, once everything stands as it was put together.
 
     Raises:

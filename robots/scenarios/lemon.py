@@ -30,10 +30,10 @@ def lemon_in_bowl(seed: int = 0) -> Scenario:
     Returns:
         The scenario: `bowl`, `lemon`, and what is in the bowl.
     """
-    return settled("lemon", seed, _layout, robot="panda")
+    return settled("lemon", seed, _lay_out, robot="panda")
 
 
-def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _lay_out(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     middle = np.array([rng.uniform(-0.04, 0.06), rng.uniform(-0.08, 0.08)])
     diameter = 0.19
     world.add(bowl(diameter=diameter, height=0.07, sides=24), pose_at(middle[0], middle[1], 0.0))

@@ -25,10 +25,10 @@ def pack(seed: int = 0) -> Scenario:
         The scenario: `tea` and `rice`, which shall lie in `tray`, `cocoa` on one of them and `can` on the
         other.
     """
-    return to_copy("pack", seed, _layout)
+    return to_copy("pack", seed, _lay_out)
 
 
-def _layout(
+def _lay_out(
     world: PhysicalWorld, finished: PhysicalWorld, rng: np.random.Generator
 ) -> tuple[str, tuple[str, ...]]:
     flat = [box("tea", FLAT, color=(0.30, 0.55, 0.35, 1.0)), box("rice", FLAT, color=(0.85, 0.80, 0.65, 1.0))]
@@ -49,14 +49,14 @@ def _layout(
         packed[high] = pose_at(x, middle[1] + rng.uniform(-0.02, 0.02), 0.006 + FLAT[2] + 5e-4, upright)
     lay(finished, packed)
     strewn: list[FloatArray] = []
-    start = {body: _strewn(strewn, side, rng) for body in packed}
+    start = {body: _free_pose(strewn, side, rng) for body in packed}
     lay(world, start)
     lower, upper = (flat[0].name, flat[1].name), tuple(tops[k].name for k in order)
     said = [f"{high} on {low}" for high, low in zip(upper, lower, strict=True)]
     return ", ".join([*(f"{low} within tray" for low in lower), *said]), (*lower, *upper)
 
 
-def _strewn(taken: list[FloatArray], side: float, rng: np.random.Generator) -> FloatArray:
+def _free_pose(taken: list[FloatArray], side: float, rng: np.random.Generator) -> FloatArray:
     """(4, 4) a free pose on the table beside the tray; it is noted in `taken`."""
     for _ in range(200):
         x, y = rng.uniform(-0.16, 0.12), -side * rng.uniform(-0.05, 0.26)

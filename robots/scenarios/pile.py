@@ -50,7 +50,7 @@ def pile(seed: int = 0) -> Scenario:
     Returns:
         The scenario: things named `KIND_N`; the target is the one that touches most of what lies higher.
     """
-    return settled("pile", seed, _layout)
+    return settled("pile", seed, _lay_out)
 
 
 def heap(world: PhysicalWorld, rng: np.random.Generator, count: int, spread: float = 0.07) -> tuple[str, ...]:
@@ -82,7 +82,7 @@ def heap(world: PhysicalWorld, rng: np.random.Generator, count: int, spread: flo
     return tuple(names)
 
 
-def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _lay_out(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     names = heap(world, rng, int(rng.integers(5, 9)))
     settle(world)
     target = _most_buried(world, names)

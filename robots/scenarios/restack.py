@@ -23,10 +23,10 @@ def restack(seed: int = 0) -> Scenario:
     Returns:
         The scenario: `red`, `green`, `blue`, `yellow`, `white`.
     """
-    return to_copy("restack", seed, _layout)
+    return to_copy("restack", seed, _lay_out)
 
 
-def _layout(
+def _lay_out(
     world: PhysicalWorld, finished: PhysicalWorld, rng: np.random.Generator
 ) -> tuple[str, tuple[str, ...]]:
     names = list(BLOCKS)

@@ -23,10 +23,10 @@ def set_table(seed: int = 0) -> Scenario:
         The scenario: `plate`, `bowl`, `fork`, `spoon`, `mug`. The plate shall lie elsewhere with the bowl on
         it, the fork to its left, the spoon to its right and the mug behind.
     """
-    return to_copy("set-table", seed, _layout, robot="panda-suction")
+    return to_copy("set-table", seed, _lay_out, robot="panda-suction")
 
 
-def _layout(
+def _lay_out(
     world: PhysicalWorld, finished: PhysicalWorld, rng: np.random.Generator
 ) -> tuple[str, tuple[str, ...]]:
     diameter = rng.uniform(0.21, 0.23)
@@ -44,7 +44,7 @@ def _layout(
     heap = np.array([rng.uniform(-0.05, 0.0), -side * rng.uniform(0.20, 0.24)])
     laid = np.array([rng.uniform(-0.06, -0.02), side * rng.uniform(0.13, 0.16)])
     lay(finished, {bodies[name]: pose for name, pose in _laid(laid, diameter, rng).items()})
-    lay(world, {bodies[name]: pose for name, pose in _heaped(heap, laid, diameter, rng).items()})
+    lay(world, {bodies[name]: pose for name, pose in _heap_poses(heap, laid, diameter, rng).items()})
     touches = touching(world)
     for name in ("fork", "spoon"):
         if frozenset((name, "plate")) not in touches or frozenset((name, "table")) in touches:
@@ -66,7 +66,7 @@ def _laid(middle: FloatArray, diameter: float, rng: np.random.Generator) -> dict
     }
 
 
-def _heaped(
+def _heap_poses(
     heap: FloatArray, laid: FloatArray, diameter: float, rng: np.random.Generator
 ) -> dict[str, FloatArray]:
     """Poses (4, 4) at the start: cutlery across the plate, bowl and mug where the table shall be laid."""

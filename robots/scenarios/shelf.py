@@ -32,11 +32,11 @@ def shelf(seed: int = 0) -> Scenario:
     Returns:
         The scenario: boxes, cans, jars, mugs and tins, in a `shelf` that stands on the table.
     """
-    made = settled("shelf", seed, lambda world, rng: _layout(world, rng, seed % len(ROWS)), robot="panda")
+    made = settled("shelf", seed, lambda world, rng: _lay_out(world, rng, seed % len(ROWS)), robot="panda")
     return replace(made, cameras=tuple(Camera.looking_at(eye, LOOK_AT) for eye in EYES))
 
 
-def _layout(world: PhysicalWorld, rng: np.random.Generator, before: int) -> tuple[str, tuple[str, ...]]:
+def _lay_out(world: PhysicalWorld, rng: np.random.Generator, before: int) -> tuple[str, tuple[str, ...]]:
     world.add(_furniture(), pose_at(FRONT + INNER[0] / 2, 0.0, FEET), fixed=True)
     spots = [(bay, column, row) for bay in range(2) for column in COLUMNS for row in range(len(ROWS))]
     bay, column = int(rng.integers(2)), COLUMNS[int(rng.integers(len(COLUMNS)))]
@@ -45,7 +45,7 @@ def _layout(world: PhysicalWorld, rng: np.random.Generator, before: int) -> tupl
     others = [spot for spot in spots if spot not in (*chosen, *behind)]
     picked = rng.permutation(len(others))[: int(rng.integers(5, 10)) - len(chosen)].tolist()
     chosen += [others[k] for k in picked]
-    places = {_thing(number, rng): _pose(spot, rng) for number, spot in enumerate(chosen)}
+    places = {_make_body(number, rng): _pose(spot, rng) for number, spot in enumerate(chosen)}
     lay(world, places)
     upright = (world.pose(body.name)[2, 2] for body in places)
     if min(upright) < 0.99:
@@ -65,7 +65,7 @@ def _furniture() -> Body:
     return Body.of("shelf", parts, density=WOOD.density, rolling=0.0, color=PAINTS["pine"], kind="shelf")
 
 
-def _thing(number: int, rng: np.random.Generator) -> Body:
+def _make_body(number: int, rng: np.random.Generator) -> Body:
     kind = int(rng.integers(5))
     shade = (*rng.uniform(0.25, 0.85, 3).tolist(), 1.0)
     high = float(rng.uniform(0.09, 0.14))

@@ -34,10 +34,10 @@ def sort(seed: int = 0) -> Scenario:
     Returns:
         The scenario: things named `can_N` and `fruit_N`, `bin_can` and `bin_fruit`.
     """
-    return settled("sort", seed, _layout, robot="panda")
+    return settled("sort", seed, _lay_out, robot="panda")
 
 
-def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _lay_out(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     left, right = rng.permutation(["bin_can", "bin_fruit"])
     for name, y in ((str(left), ASIDE), (str(right), -ASIDE)):
         color = (0.55, 0.35, 0.35, 1.0) if name == "bin_can" else (0.45, 0.6, 0.35, 1.0)

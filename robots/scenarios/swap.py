@@ -28,10 +28,10 @@ def swap(seed: int = 0) -> Scenario:
     Returns:
         The scenario: `box`, `can` and `mug`; each of the two has to stand where the other one does.
     """
-    return to_copy("swap", seed, _layout)
+    return to_copy("swap", seed, _lay_out)
 
 
-def _layout(
+def _lay_out(
     world: PhysicalWorld, finished: PhysicalWorld, rng: np.random.Generator
 ) -> tuple[str, tuple[str, ...]]:
     bodies = [THINGS[k]() for k in rng.permutation(len(THINGS))]

@@ -28,10 +28,10 @@ def tower(seed: int = 0) -> Scenario:
     Returns:
         The scenario: `red`, `green`, `blue`, `yellow`.
     """
-    return settled("tower", seed, _layout, robot="panda")
+    return settled("tower", seed, _lay_out, robot="panda")
 
 
-def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _lay_out(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     order = [str(name) for name in rng.permutation(list(COLORS))]
     stacks = [order[:2], order[2:]] if rng.random() < 0.5 else [order[:2], [order[2]], [order[3]]]
     if any(stack[k : k + 2] == ["green", "red"] or stack[k : k + 2] == ["blue", "green"]

@@ -230,8 +230,8 @@ class ActingArm(ABC):
         sampled = np.minimum(np.arange(1, steps + 1) * self.world.time_step, times[-1])
         for t, q, v in zip(
             sampled.tolist(),
-            _interpolated(sampled, times, trajectory.positions),
-            _interpolated(sampled, times, trajectory.velocities),
+            _interpolate(sampled, times, trajectory.positions),
+            _interpolate(sampled, times, trajectory.velocities),
             strict=True,
         ):
             q += short if keep_offset else (1.0 - t / times[-1]) * short
@@ -367,6 +367,6 @@ class ActingArm(ABC):
         """Let the world take a step, watching contacts and the vacuum."""
 
 
-def _interpolated(when: FloatArray, times: FloatArray, values: FloatArray) -> FloatArray:
+def _interpolate(when: FloatArray, times: FloatArray, values: FloatArray) -> FloatArray:
     """(k, n) values at k times [s], linear between those (t, n) given at t times [s]."""
     return np.stack([np.interp(when, times, column) for column in values.T], axis=1)

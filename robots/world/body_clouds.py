@@ -83,7 +83,7 @@ def shell(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -
     for split in _split(points, own, viewpoints):
         around = np.unique(np.concatenate(tree.query_ball_point(points[split], SHARED)))
         mine = points[around[own[around]]]
-        pieces.append(Piece(_corners(_thickened(points[around], mine, viewpoints)), mine))
+        pieces.append(Piece(_corners(_thicken_wall(points[around], mine, viewpoints)), mine))
     return pieces
 
 
@@ -96,7 +96,7 @@ def _split(points: FloatArray, seen: BoolArray, viewpoints: FloatArray | None) -
         piece = points[index]
         axis = np.linalg.svd(piece - piece.mean(axis=0), full_matrices=False)[2][0]
         along = piece @ axis
-        if np.ptp(along) <= PIECE or _filled(piece, seen[index], viewpoints) <= BENT:
+        if np.ptp(along) <= PIECE or _depth_in_hull(piece, seen[index], viewpoints) <= BENT:
             done.append(index)
             continue
         middle = (along.min() + along.max()) / 2
@@ -104,7 +104,7 @@ def _split(points: FloatArray, seen: BoolArray, viewpoints: FloatArray | None) -
     return done
 
 
-def _filled(points: FloatArray, seen: BoolArray, viewpoints: FloatArray | None) -> float:
+def _depth_in_hull(points: FloatArray, seen: BoolArray, viewpoints: FloatArray | None) -> float:
     """How deep the deeper ones of the seen points lie [m] below those sides of the hull that cameras face."""
     sides = sides_of(points)
     if sides is None or not seen.any():
@@ -142,7 +142,7 @@ def smoothed(points: FloatArray) -> FloatArray:
     return points - off[:, None] * normals
 
 
-def _thickened(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -> FloatArray:
+def _thicken_wall(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -> FloatArray:
     """Points of a piece of wall and of its other side, where that was not seen."""
     middle = points.mean(axis=0)
     axes = np.linalg.eigh(np.cov((points - middle).T))[1] if len(points) > 3 else np.eye(3)

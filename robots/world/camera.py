@@ -222,10 +222,10 @@ class Camera:
             faulty = np.round(faulty / noise.quantum) * noise.quantum
         lost = edge & (draw > 1 - noise.edge_loss)
         lost |= rng.random(depth.shape) < noise.loss
-        lost |= self._grazing(depth) & (rng.random(depth.shape) < 0.8)
+        lost |= self._grazing_pixels(depth) & (rng.random(depth.shape) < 0.8)
         return np.where(seen & ~lost & (faulty > 0), faulty, 0.0)
 
-    def _grazing(self, depth: FloatArray) -> BoolArray:
+    def _grazing_pixels(self, depth: FloatArray) -> BoolArray:
         """Pixels whose surface is seen nearly from the side; a step to another surface makes none so."""
         rise = np.hypot(*(_slope(depth, axis) * self.K[1 - axis, 1 - axis] for axis in (0, 1)))
         return rise > np.tan(TOLERANCES.grazing) * np.maximum(depth, 1e-3)

@@ -120,7 +120,7 @@ class Demonstration:
             self._folder / _DATA.format(**at): _parquet(rows),
             self._folder / _EPISODES.format(**at): _parquet({key: [value] for key, value in episode.items()}),
             self._folder / _TASKS: _parquet({"task_index": [*tasks.values()], "task": [*tasks]}),
-            known: json.dumps(_merged(read_json(known.read_bytes(), "") if first else {}, stats)),
+            known: json.dumps(_merge(read_json(known.read_bytes(), "") if first else {}, stats)),
             self._folder / _INFO: json.dumps(self._info, indent=1),
         }
         for path in contents:
@@ -208,7 +208,7 @@ def _stats(values: Any, shape: tuple[int, ...] = (-1,)) -> dict[str, Any]:
     return {**{key: each.reshape(shape).tolist() for key, each in found.items()}, "count": [len(values)]}
 
 
-def _merged(before: Stats, now: Stats) -> Stats:
+def _merge(before: Stats, now: Stats) -> Stats:
     """Statistics of two sets of episodes together."""
     found = dict(now)
     for name in before:

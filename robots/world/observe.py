@@ -62,7 +62,7 @@ def scene_from_world(
     if not called:
         raise InvalidInput(f"the PyBullet world {client} has no bodies: expected at least one")
     bodies = list(called)
-    boxes = _trimmed({body: box_of(client, body) for body in bodies})
+    boxes = _trim_ground({body: box_of(client, body) for body in bodies})
     clouds = {called[body]: _surface(client, body, boxes[body], spacing) for body in bodies}
     clouds = {name: cloud for name, cloud in clouds.items() if len(cloud)}
     still = [called[body] for body in bodies if _is_fixed(client, body)] if fixed is None else list(fixed)
@@ -148,7 +148,7 @@ def box_of(client: int, body: int) -> FloatArray:
     return np.stack([found[:, 0].min(axis=0), found[:, 1].max(axis=0)])
 
 
-def _trimmed(boxes: dict[int, FloatArray]) -> dict[int, FloatArray]:
+def _trim_ground(boxes: dict[int, FloatArray]) -> dict[int, FloatArray]:
     """Boxes of the ground cut to the surroundings of the others, as a plane has no end."""
     small = [box for box in boxes.values() if np.ptp(box, axis=0).max() < LARGEST]
     if not small:

@@ -54,7 +54,7 @@ def photograph(world: PhysicalWorld, camera: Camera, *, whole: bool = False) -> 
         The photo, `SIZE` large.
     """
     corners = _corners(world)
-    framed = _framed(camera, corners[:0] if whole else corners, FINE)
+    framed = _frame_camera(camera, corners[:0] if whole else corners, FINE)
     depth, body, rgb = world.rendered(framed)
     coarse = (slice(FINE // 2, None, FINE), slice(FINE // 2, None, FINE))
     height, width = SIZE[1], SIZE[0]
@@ -72,7 +72,7 @@ def _corners(world: PhysicalWorld) -> FloatArray:
     return np.concatenate([np.concatenate(world.parts(name)) for name in names])
 
 
-def _framed(camera: Camera, corners: FloatArray, fine: int) -> Camera:
+def _frame_camera(camera: Camera, corners: FloatArray, fine: int) -> Camera:
     """The camera turned to nothing else, with a picture of `SIZE` that is filled by some points."""
     seen = (
         corners @ inverse(camera.pose_camera_to_world)[:3, :3].T + inverse(camera.pose_camera_to_world)[:3, 3]

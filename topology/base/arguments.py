@@ -53,8 +53,8 @@ def checked_arguments(target: _Target) -> _Target:
         if not hints:
             names = _Names(inspect.unwrap(function).__globals__)
             hints.update({each.name: _hint(each.annotation, names) for each in parameters})  # in one go
-        taken = [_taken(name, value, hints[name]) for name, value in zip(ordered, args, strict=False)]
-        more = {name: _taken(name, value, hints.get(name, Any)) for name, value in keywords.items()}
+        taken = [_take(name, value, hints[name]) for name, value in zip(ordered, args, strict=False)]
+        more = {name: _take(name, value, hints.get(name, Any)) for name, value in keywords.items()}
         return function(*taken, *args[len(ordered) :], **more)
 
     return cast(_Target, call)
@@ -82,7 +82,7 @@ def _hint(given: Any, names: _Names) -> Any:
     return Any if given is inspect.Parameter.empty else given
 
 
-def _opened(hint: Any) -> Any:
+def _bare_kind(hint: Any) -> Any:
     """What a kind is, without what it is of; kinds of numpy 2.5 are names of others."""
     kind = get_origin(hint) or hint
     value = getattr(kind, "__value__", kind)
@@ -93,14 +93,14 @@ class _Misfit(Exception):
     """What is of another kind: what it is called, itself, and the kind it should be of."""
 
 
-def _taken(name: str, value: Any, hint: Any) -> Any:
+def _take(name: str, value: Any, hint: Any) -> Any:
     """An argument as it is annotated.
 
     Raises:
         InvalidInput: It is of another kind.
     """
     try:
-        return _fitted(name, value, hint)
+        return _convert(name, value, hint)
     except _Misfit as error:
         what, found, wanted = error.args
         plain = isinstance(found, (str, bool, int, float, type(None)))
@@ -110,7 +110,7 @@ def _taken(name: str, value: Any, hint: Any) -> Any:
 
 def _said(hint: Any) -> str:
     """A kind as people write it, and how one is made where that is annotated."""
-    kind, args = _opened(hint), get_args(hint)
+    kind, args = _bare_kind(hint), get_args(hint)
     if kind is np.ndarray:
         return "array"
     if kind in (Union, UnionType):
@@ -126,14 +126,14 @@ def _said(hint: Any) -> str:
     return getattr(kind, "__name__", str(kind)) + of
 
 
-def _fitted(what: str, value: Any, hint: Any) -> Any:
+def _convert(what: str, value: Any, hint: Any) -> Any:
     """A value as it is annotated; the parts of a collection are as they are.
 
     Raises:
         InvalidInput: It is no array of numbers where there has to be one.
         _Misfit: It, or a part of it, is of another kind.
     """
-    kind, args = _opened(hint), get_args(hint)
+    kind, args = _bare_kind(hint), get_args(hint)
     one = isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0)
     value = value.item() if one else value
     if hint is ArrayLike or (kind in (Union, UnionType) and _ANY_ARRAY <= set(args)):
@@ -151,15 +151,15 @@ def _fitted(what: str, value: Any, hint: Any) -> Any:
         # what is in a FrozenDict was looked at when topple made it
         entries = cast(Mapping[Any, Any], {} if isinstance(value, FrozenDict) else value)
         for key, part in entries.items():
-            _fitted(f"a key of {what}", key, args[0])
-            _fitted(f"{what}[{key!r}]", part, args[1])
+            _convert(f"a key of {what}", key, args[0])
+            _convert(f"{what}[{key!r}]", part, args[1])
     elif isinstance(value, Collection) and args and kind is not Literal:
         parts = cast(Collection[Any], value)
         fixed = kind is tuple and args[-1] is not ...
         if fixed and len(parts) != len(args):
             raise _Misfit(what, value, hint)
         for number, (part, its) in enumerate(zip(parts, args if fixed else repeat(args[0]), strict=False)):
-            _fitted(f"{what}[{number}]", part, its)
+            _convert(f"{what}[{number}]", part, its)
     return value
 
 
@@ -168,7 +168,7 @@ def _fitted_to_any(what: str, value: Any, kinds: tuple[Any, ...], hint: Any) -> 
     refused: list[_Misfit | InvalidInput] = []
     for kind in kinds:
         try:
-            return _fitted(what, value, kind)
+            return _convert(what, value, kind)
         except (_Misfit, InvalidInput) as error:
             refused.append(error)
     told = [error for error in refused if error.args[0] != what]  # what is not of it, or of a part of it

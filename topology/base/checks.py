@@ -114,10 +114,10 @@ def as_direction(direction: ArrayLike, what: str) -> FloatArray:
         raise InvalidInput(f"{what} has shape {vector.shape}: expected three numbers, such as 0 0 1")
     length = float(np.linalg.norm(vector))
     if not np.isfinite(vector).all() or not np.isfinite(length):
-        raise InvalidInput(f"{what} is {_listed(vector)}: expected finite numbers, such as 0 0 1")
+        raise InvalidInput(f"{what} is {_list_names(vector)}: expected finite numbers, such as 0 0 1")
     if length < 1e-9:
         raise InvalidInput(
-            f"{what} is {_listed(vector)}, which points nowhere: expected a direction, such as 0 0 1"
+            f"{what} is {_list_names(vector)}, which points nowhere: expected a direction, such as 0 0 1"
         )
     return frozen(vector / length)
 
@@ -143,7 +143,7 @@ def as_plane(plane: ArrayLike, what: str = "table_plane") -> FloatArray:
     length = float(np.linalg.norm(values[:3]))
     if not np.isfinite(values).all() or length < 1e-9:
         raise InvalidInput(
-            f"{what} is {_listed(values)}: expected a finite, non-zero normal and its offset (n, d)"
+            f"{what} is {_list_names(values)}: expected a finite, non-zero normal and its offset (n, d)"
         )
     return frozen(values / length)
 
@@ -193,7 +193,7 @@ def as_pose(pose: ArrayLike, what: str) -> FloatArray:
         raise InvalidInput(f"{what} holds NaN or infinity: expected a finite 4x4 transform")
     if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > RIGID:
         raise InvalidInput(
-            f"{what} ends in the row {_listed(matrix[3])}: expected 0 0 0 1; transpose it if it is"
+            f"{what} ends in the row {_list_names(matrix[3])}: expected 0 0 0 1; transpose it if it is"
         )
     rotation = matrix[:3, :3]
     if np.abs(rotation @ rotation.T - np.eye(3)).max() > RIGID:
@@ -266,7 +266,7 @@ def as_name(name: object, what: str = "object") -> str:
     return name
 
 
-def _listed(values: FloatArray) -> str:
+def _list_names(values: FloatArray) -> str:
     return "[" + " ".join(f"{value:g}" for value in values) + "]"
 
 

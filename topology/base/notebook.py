@@ -21,7 +21,7 @@ def in_cell(thing: object) -> str | None:
     Returns:
         HTML; None where nothing draws it, or it cannot be drawn: the notebook then shows its text.
     """
-    return _answered(type(thing).__name__, None, thing)
+    return _ask_entry_point(type(thing).__name__, None, thing)
 
 
 def in_words(scene: object, value: Value) -> Value:
@@ -34,10 +34,10 @@ def in_words(scene: object, value: Value) -> Value:
     Returns:
         The same; as it is where nothing knows names, or none can be told.
     """
-    return value if scene is None else _answered("names", value, scene, value)
+    return value if scene is None else _ask_entry_point("names", value, scene, value)
 
 
-def _answered(name: str, otherwise: Any, *asked: object) -> Any:
+def _ask_entry_point(name: str, otherwise: Any, *asked: object) -> Any:
     """What the entry point of a name makes of something, where there is one and it can."""
     for entry in entry_points(group=GROUP, name=name):
         with suppress(ToppleError):

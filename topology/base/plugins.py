@@ -55,7 +55,7 @@ class Table(Generic[Kind]):
         added: dict[str, EntryPoint] = {}
         for entry in entry_points(group=self.group):
             if entry.name in self._own or entry.name in added:
-                log.warning("%s is left out: there is one of that name", self._called(entry))
+                log.warning("%s is left out: there is one of that name", self._name_of(entry))
             else:
                 added[entry.name] = entry
         return {**added, **self._own}
@@ -122,9 +122,9 @@ class Table(Generic[Kind]):
             if name in self._own:
                 raise
             what = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-            raise InvalidInput(f"{self._called(self._entries[name])} failed: {what}") from error
+            raise InvalidInput(f"{self._name_of(self._entries[name])} failed: {what}") from error
 
-    def _called(self, entry: EntryPoint) -> str:
+    def _name_of(self, entry: EntryPoint) -> str:
         package = f" of package {entry.dist.name} {entry.dist.version}" if entry.dist else ""
         return f"{self.role} {entry.name!r}{package} ({entry.value})"
 

@@ -94,16 +94,16 @@ class WorkerPool(Executor):
             raise InvalidInput(f"processes is {processes}: expected how many there are, 1 or more")
         self._ready = ready
         self._max_workers = processes
-        self._threads = ThreadPoolExecutor(processes, initializer=_undisturbed)
+        self._threads = ThreadPoolExecutor(processes, initializer=_ignore_interrupt)
         self._of_thread = threading.local()
         self._pids: dict[int, ProcessPoolExecutor] = {}
         self._killed = False
 
     def submit(self, fn: Callable[..., Answer], /, *args: Any, **kwargs: Any) -> Future[Answer]:
         """Have a call made by the next process that is free; both have to pickle."""
-        return self._threads.submit(self._asked, fn, args, kwargs)
+        return self._threads.submit(self._ask_process, fn, args, kwargs)
 
-    def _asked(self, fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
+    def _ask_process(self, fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
         """What the process of this thread answers."""
         pid: int | None = getattr(self._of_thread, "pid", None)
         if pid is None:
@@ -143,7 +143,7 @@ class WorkerPool(Executor):
         self.shutdown()
 
 
-def _undisturbed() -> None:
+def _ignore_interrupt() -> None:
     """Let what this thread starts not hear of Ctrl-C: a process that is still starting would say a lot."""
     if hasattr(signal, "pthread_sigmask"):
         resource_tracker.ensure_running()  # which lets the thread that starts it hear again

@@ -150,7 +150,7 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     box = seen.upright_box if hollow else seen.box
     if not hollow and len(guess := _as_round(seen, box, sight, floor)):
         return np.concatenate([points, guess])
-    mirrored = _turned(points, box) if hollow else 2 * box.centre - points
+    mirrored = _half_turn(points, box) if hollow else 2 * box.centre - points
     extra = [_believable(mirrored, [seen.tree], sight)]
     known = np.concatenate([points, extra[0]])
     trees = [seen.tree, PointTree(extra[0])] if len(extra[0]) else [seen.tree]
@@ -259,7 +259,7 @@ def _off(box: Box, seen: _Seen) -> float:
     return float(np.sqrt(np.mean(box.distances(seen.points) ** 2)))
 
 
-def _turned(points: FloatArray, box: Box) -> FloatArray:
+def _half_turn(points: FloatArray, box: Box) -> FloatArray:
     """Half a turn about the upright axis of the box."""
     centre, axis = box.centre, box.axes[0]
     offset = points - centre

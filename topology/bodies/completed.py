@@ -56,10 +56,10 @@ def with_level_undersides(
     Returns:
         The bodies, those with a foot drawn down to its lowest point as one convex part each.
     """
-    return {name: _levelled(parts, up) if name in names else parts for name, parts in bodies.items()}
+    return {name: _level_underside(parts, up) if name in names else parts for name, parts in bodies.items()}
 
 
-def _levelled(parts: Sequence[FloatArray], up: FloatArray) -> Sequence[FloatArray]:
+def _level_underside(parts: Sequence[FloatArray], up: FloatArray) -> Sequence[FloatArray]:
     corners = np.vstack(parts)
     points = np.vstack([corners, sampled(parts, SPACING)])
     height, axes = points @ up, np.stack(level_axes(up))

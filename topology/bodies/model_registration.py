@@ -119,7 +119,7 @@ class _Search:
             reach: From where on points are not matched [m].
             contradicted: Whether the model's points that cannot be there count.
         """
-        here = _applied(to_model, self._seen[:count])
+        here = _points_at(to_model, self._seen[:count])
         away, nearest = self._nearest(here, reach)
         offset, normals = here - self._points[nearest], self._model.normals[nearest]
         weight = np.square(np.maximum(1.0 - np.square(away / reach), 0.0))
@@ -129,7 +129,7 @@ class _Search:
         rows, left = _equations(here, ways, offset, weights)
         if contradicted:
             model = self._some[:count]
-            bad, drawn = self._contradicted(to_model, model)
+            bad, drawn = self._refute(to_model, model)
             offset = drawn - model
             pull = AGAINST * bad * np.minimum(1.0, reach / np.maximum(np.linalg.norm(offset, axis=-1), 1e-9))
             axes = np.broadcast_to(np.eye(3), (*drawn.shape, 3))
@@ -161,9 +161,9 @@ class _Search:
 
     def costs(self, to_model: FloatArray, count: int) -> FloatArray:
         """(K,) mean squared distances, none counted beyond `OFF`, in squares of it, and contradictions."""
-        away, _ = self._nearest(_applied(to_model, self._seen[:count]), OFF)
+        away, _ = self._nearest(_points_at(to_model, self._seen[:count]), OFF)
         model = self._some[:count]
-        bad, drawn = self._contradicted(to_model, model)
+        bad, drawn = self._refute(to_model, model)
         shown = np.linalg.norm(drawn - model, axis=-1) < OFF
         through = bad.sum(axis=1) / np.maximum((bad | shown).sum(axis=1), 1)
         return np.square(np.minimum(away / OFF, 1.0)).mean(axis=1) + AGAINST * through
@@ -181,19 +181,19 @@ class _Search:
 
     def apart(self, one: FloatArray, other: FloatArray) -> float:
         """How far the surface at one pose is from that at another, all but a twentieth of it [m]."""
-        there = _applied((one @ np.linalg.inv(other))[None], self._some[:60])
+        there = _points_at((one @ np.linalg.inv(other))[None], self._some[:60])
         return float(np.quantile(self._near.query(there[0])[0], ALL_BUT_ENDS))
 
     def fit_at(self, to_model: FloatArray, ambiguity: float) -> ModelFit:
         """The fit at a pose, with its residual and shares."""
-        here = _applied(to_model[None], self._seen)[0]
+        here = _points_at(to_model[None], self._seen)[0]
         away, nearest = self._near.query(here)
         offset = here - self._points[nearest]
         off = np.abs(np.einsum("ni,ni->n", offset, self._model.normals[nearest]))
         beside = 2.0 * float(np.median(self._near.query(self._some[:300], k=2)[0][:, 1]))
         off = np.where(np.asarray(away) < max(CLOSE, beside), off, away)  # to the surface between its points
         best = np.sort(off)[: max(1, int(TRIMMED * len(off)))]
-        bad, drawn = (each[0] for each in self._contradicted(to_model[None], self._some))
+        bad, drawn = (each[0] for each in self._refute(to_model[None], self._some))
         shown = lengths(drawn - self._some) < OFF
         pose = np.asarray(np.linalg.inv(to_model), dtype=np.float64)
         pose[:3, 3] -= pose[:3, :3] @ self._middle
@@ -217,16 +217,16 @@ class _Search:
         shape = places.shape[:2]
         return np.asarray(away).reshape(shape), np.asarray(nearest).reshape(shape) % len(self._points)
 
-    def _contradicted(self, to_model: FloatArray, points: FloatArray) -> tuple[BoolArray, FloatArray]:
+    def _refute(self, to_model: FloatArray, points: FloatArray) -> tuple[BoolArray, FloatArray]:
         """Which of the model's points cannot be where poses put them, and the seen points nearest to each."""
-        there = _applied(np.asarray(np.linalg.inv(to_model), dtype=np.float64), points)
+        there = _points_at(np.asarray(np.linalg.inv(to_model), dtype=np.float64), points)
         flat = there.reshape(-1, 3)
         nearest = self._seen[self._near_seen.query(flat)[1]].reshape(there.shape)
         turned = nearest @ to_model[:, :3, :3].transpose(0, 2, 1) + to_model[:, None, :3, 3]
         return self._excluded(flat).reshape(there.shape[:2]), turned
 
 
-def _applied(poses: FloatArray, points: FloatArray) -> FloatArray:
+def _points_at(poses: FloatArray, points: FloatArray) -> FloatArray:
     """(K, n, 3) points (n, 3) at each of some poses (K, 4, 4)."""
     return points @ poses[:, :3, :3].transpose(0, 2, 1) + poses[:, None, :3, 3]
 

@@ -165,7 +165,7 @@ def convex_parts(
     """
     if tolerance is None:
         tolerance = max(0.003, 0.04 * float(np.ptp(points, axis=0).mean()))
-    few = _about(np.ascontiguousarray(points, dtype=np.float64), finest)
+    few = _thin_to(np.ascontiguousarray(points, dtype=np.float64), finest)
     eyes = None if viewpoints is None else np.ascontiguousarray(viewpoints, dtype=np.float64)
     judge = _Judge(eyes, spacing_of(few), few[:: -(-len(few) // OUTLINE)].copy())
     pieces = [judge.piece(few, np.empty((0, 4)))]
@@ -173,7 +173,7 @@ def convex_parts(
     while pieces and len(pieces) + len(settled) < most:
         worst = max(range(len(pieces)), key=lambda index: pieces[index].hollow)
         piece = pieces.pop(worst)
-        halves = _cut(piece, judge, fewest) if piece.hollow > tolerance else None
+        halves = _best_cut(piece, judge, fewest) if piece.hollow > tolerance else None
         if halves is None:
             settled.append(piece)
         else:
@@ -181,7 +181,7 @@ def convex_parts(
     return tuple(frozen(piece.corners) for piece in settled + pieces)
 
 
-def _about(points: FloatArray, count: int) -> FloatArray:
+def _thin_to(points: FloatArray, count: int) -> FloatArray:
     """Thin a cloud to about a number of points, keeping the corners of its hull."""
     if len(points) <= count:
         return points
@@ -196,7 +196,7 @@ def _about(points: FloatArray, count: int) -> FloatArray:
     return np.concatenate([corners[:: -(-len(corners) // count)], kept])
 
 
-def _cut(piece: _Piece, judge: _Judge, fewest: int) -> tuple[_Piece, _Piece] | None:
+def _best_cut(piece: _Piece, judge: _Judge, fewest: int) -> tuple[_Piece, _Piece] | None:
     """The two halves of the cut that leaves the least hollow, or None where no cut is worth it."""
     points = piece.points
     step = -(-len(points) // SEARCHED)

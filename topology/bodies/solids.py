@@ -78,7 +78,7 @@ def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
             found[name] = standing_parts(name, scene)
     if len(scene.matter):
         eyes = scene.viewpoints if len(scene.viewpoints) else scene.matter.mean(axis=0)[None] + SKY * up
-        found[MATTER] = _remembered(scene.matter, eyes.tobytes(), lambda: plates_along(scene.matter, eyes))
+        found[MATTER] = _parts_once(scene.matter, eyes.tobytes(), lambda: plates_along(scene.matter, eyes))
     return found
 
 
@@ -115,12 +115,12 @@ def parts_of(cloud: FloatArray, scene: Scene) -> tuple[FloatArray, ...]:
     """
     seen_from = scene.viewpoints if len(scene.viewpoints) > 0 else None
     key = b"" if seen_from is None else seen_from.tobytes()
-    return _remembered(
+    return _parts_once(
         cloud, key, lambda: convex_parts(voxel_means(cloud, GRAIN, ahead=0.0), HOLLOW, viewpoints=seen_from)
     )
 
 
-def _remembered(
+def _parts_once(
     cloud: FloatArray, more: bytes, make: Callable[[], tuple[FloatArray, ...]]
 ) -> tuple[FloatArray, ...]:
     """The parts of a cloud, made once."""
@@ -159,7 +159,7 @@ def fixed_parts(cloud: FloatArray, up: FloatArray, others: FloatArray = NOTHING)
     if len(rest) < PIECE_FEWEST:
         return tuple(slabs)
     more = up.tobytes() + b"fixed"
-    return (*slabs, *_remembered(rest, more, lambda: _plates(rest, up, spacing)))
+    return (*slabs, *_parts_once(rest, more, lambda: _plates(rest, up, spacing)))
 
 
 def _plates(rest: FloatArray, up: FloatArray, spacing: float) -> tuple[FloatArray, ...]:

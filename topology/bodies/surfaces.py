@@ -77,7 +77,7 @@ class Surfaces:
     def among(self, names: Collection[str]) -> dict[str, FloatArray]:
         """Upright points (N, 3) [m] of the whole surfaces, by name."""
         missing = [name for name in names if name not in self._done]
-        self._done.update(self._known([name for name in missing if name in self._poses]))
+        self._done.update(self._carried_over([name for name in missing if name in self._poses]))
         missing = [name for name in missing if name not in self._done]
         self._done.update(complete(self.upright.among(missing), self.sight))
         if self.sight is None:  # else what was seen through openings tells
@@ -99,7 +99,7 @@ class Surfaces:
         over[: len(clouds[name])] = False
         return body[~over]
 
-    def _known(self, names: Collection[str]) -> dict[str, FloatArray]:
+    def _carried_over(self, names: Collection[str]) -> dict[str, FloatArray]:
         """The bodies that were completed in the scene this one came of, where they are now."""
         like, names = self._like, [name for name in names if name not in self.upright.fixed]
         if like is None or not names or like.scene is None:

@@ -179,7 +179,7 @@ def _surface(whole: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
         voxel_means(off, 2 * GRAIN, ahead=0.0), surface_spacing(off, spacing_of(whole))
     ):
         return None
-    parting = _parting(cloud @ normal)
+    parting = _height_between_faces(cloud @ normal)
     if parting is None:
         return normal, height
     grid = _Grid.of(cloud, up)
@@ -188,7 +188,7 @@ def _surface(whole: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
     return None if board else (normal, height)
 
 
-def _parting(heights: FloatArray) -> float | None:
+def _height_between_faces(heights: FloatArray) -> float | None:
     """Height between the two faces of a board whose points have these heights; None for one face."""
     low, high = quantiles_of(heights, 0.05, 0.95)
     middle = (low + high) / 2.0
@@ -326,7 +326,7 @@ def _faces(
         grid: Of the cloud's plan view.
     """
     heights = cloud @ normal
-    parting = _parting(heights[inside])
+    parting = _height_between_faces(heights[inside])
     sides = [inside] if parting is None else [inside & (heights > parting), inside & (heights <= parting)]
     found: list[_Level] = []
     for side in sides:

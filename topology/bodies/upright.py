@@ -107,14 +107,14 @@ class Upright:
             )
         rotation = _axes(scene, scene.up) if rotation is None else rotation
         movable = [name for name in scene.clouds if name not in scene.fixed]
-        clouds = {name: _thinned(scene.clouds[name], rotation) for name in movable}
+        clouds = {name: _rotate_and_thin(scene.clouds[name], rotation) for name in movable}
         near = _surroundings(list(clouds.values()))
         tops: dict[str, tuple[FloatArray, ...]] = {}
         rest: dict[str, FloatArray] = {}
         for name, cloud in scene.clouds.items():
             if name in scene.fixed:
-                turned = _turned(cloud, rotation)
-                cut = _cut(turned, near)
+                turned = _rotate(cloud, rotation)
+                cut = _crop(turned, near)
                 clouds[name] = cut if len(cut) else voxel_means(turned, 2 * VOXEL)
                 tops[name], rest[name] = _taken_apart(turned, clouds[name], near)
         lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
@@ -133,15 +133,15 @@ class Upright:
         )
 
 
-def _turned(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
+def _rotate(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
     """A cloud (N, 3) in a frame whose axes are the rows of a rotation."""
     return rounded(cloud @ rotation.T)
 
 
 @remembered(KEPT_BODIES)
-def _thinned(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
+def _rotate_and_thin(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
     """The same with one point a voxel."""
-    return frozen(voxel_means(_turned(cloud, rotation), VOXEL))
+    return frozen(voxel_means(_rotate(cloud, rotation), VOXEL))
 
 
 def _axes(scene: Scene, up: FloatArray) -> FloatArray:
@@ -193,7 +193,7 @@ def _meet(one: _Box, other: _Box) -> bool:
     return bool((one[0] <= other[1])[:2].all() and (other[0] <= one[1])[:2].all())
 
 
-def _cut(points: FloatArray, boxes: list[_Box]) -> FloatArray:
+def _crop(points: FloatArray, boxes: list[_Box]) -> FloatArray:
     """The points inside of boxes, thinned in each by itself: what is far away moves no cell."""
     inside = [points[within_corners(points, lower, upper)] for lower, upper in boxes]
     return np.concatenate([voxel_means(part, 2 * VOXEL) for part in inside])
@@ -206,7 +206,7 @@ def _taken_apart(
     found = tops_of(points, np.array([0.0, 0.0, 1.0]))
     if found.flat:
         return (near,), np.empty((0, 3))
-    *tops, rest = (_cut(piece, boxes) for piece in _pieces(found))
+    *tops, rest = (_crop(piece, boxes) for piece in _pieces(found))
     kept = tuple(frozen(top) for top in tops if len(top))
     return kept, frozen(rest) if kept else near
 

@@ -32,10 +32,10 @@ def pieces_of(points: FloatArray, spacing: float = 0.0, fewest: int = PIECE_FEWE
     Returns:
         (M, 3) points of each piece [m].
     """
-    return [piece for piece in _connected(points, max(LINKED, 2.0 * spacing)) if len(piece) >= fewest]
+    return [piece for piece in _components(points, max(LINKED, 2.0 * spacing)) if len(piece) >= fewest]
 
 
-def _connected(points: FloatArray, reach: float) -> list[FloatArray]:
+def _components(points: FloatArray, reach: float) -> list[FloatArray]:
     """(N, 3) points [m] as those that hang together, each within reach of another."""
     if len(points) == 0:
         return []

@@ -46,12 +46,12 @@ class Spheroid:
         """(N,) distances of points from its surface [m], along the ray from its centre."""
         rays = points - self.centre
         far = lengths(rays)
-        there = lengths(_squeezed(rays, self.axis, self.stretch))
+        there = lengths(_shorten_along(rays, self.axis, self.stretch))
         return far * np.abs(1.0 - self.radius / np.maximum(there, 1e-9))
 
     def outward(self, points: FloatArray) -> FloatArray:
         """(N, 3) directions out of it at points of its surface; of no unit length."""
-        return _squeezed(points - self.centre, self.axis, self.stretch**2)
+        return _shorten_along(points - self.centre, self.axis, self.stretch**2)
 
     def surface(self, spacing: float) -> FloatArray:
         """(M, 3) points all over it, about `spacing` [m] apart."""
@@ -60,7 +60,7 @@ class Spheroid:
         angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)  # the golden angle: no two above each other
         level = np.sqrt(1.0 - height**2)
         rays = np.column_stack([level * np.cos(angle), level * np.sin(angle), height])
-        return self.centre + self.radius * _squeezed(rays, self.axis, 1.0 / self.stretch)
+        return self.centre + self.radius * _shorten_along(rays, self.axis, 1.0 / self.stretch)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +171,7 @@ def _stretches(points: FloatArray) -> list[tuple[FloatArray, float]]:
     return [(axes[:, 2], 1.0), *((axes[:, k], stretch) for k in (2, 1) for stretch in STRETCHES)]
 
 
-def _squeezed(rays: FloatArray, axis: FloatArray, stretch: float) -> FloatArray:
+def _shorten_along(rays: FloatArray, axis: FloatArray, stretch: float) -> FloatArray:
     """Rays (N, 3) shortened along an axis."""
     return rays + np.outer(rays @ axis * (1.0 / stretch - 1.0), axis)
 
@@ -180,7 +180,7 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     """The spheroid of a stretch through points, where they show a cap of it deep enough."""
     if len(points) < 12:
         return None
-    squeezed = _squeezed(points, axis, stretch)
+    squeezed = _shorten_along(points, axis, stretch)
     fit = sphere_nearest(squeezed, FITTED)
     if fit is None:
         return None
@@ -193,7 +193,7 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     towards = middle_of(rays)
     towards /= max(float(np.linalg.norm(towards)), 1e-9)
     depth = 1.0 - quantiles_of(rays @ towards, STRAY)[0]
-    centre = _squeezed(centre[None], axis, 1.0 / stretch)[0]
+    centre = _shorten_along(centre[None], axis, 1.0 / stretch)[0]
     return Spheroid(centre, radius, axis, stretch) if depth > LEAST_CAP else None
 
 

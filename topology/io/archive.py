@@ -115,7 +115,7 @@ def _read_npz(file: BinaryIO) -> dict[str, Array]:
             held = 0
             for name in members:
                 arrays[name.removesuffix(_MEMBER)] = array = _read_member(archive, name, held)
-                held += _held(array.shape, array.dtype)
+                held += _bytes_of(array.shape, array.dtype)
             return arrays
     except (OSError, InvalidInput):
         raise
@@ -141,7 +141,7 @@ def _read_member(archive: zipfile.ZipFile, member: str, held: int) -> Array:
         raise InvalidInput(_refusal(error, what)) from error
 
 
-def _held(shape: tuple[int, ...], kind: "np.dtype[Any]") -> int:
+def _bytes_of(shape: tuple[int, ...], kind: "np.dtype[Any]") -> int:
     """Bytes that an array takes; one of points (N, 3) is held with eight for each number."""
     points = len(shape) == 2 and shape[1] == 3 and kind.kind in "iuf"
     return math.prod(shape) * (max(kind.itemsize, 8) if points else kind.itemsize)
@@ -153,7 +153,7 @@ def _check_header(file: IO[bytes], size: int, what: str, held: int = 0) -> None:
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, kind = read(file)
     declared = math.prod(shape) * kind.itemsize
-    check_size(held + _held(shape, kind), what)
+    check_size(held + _bytes_of(shape, kind), what)
     if declared > size and not kind.hasobject:
         raise InvalidInput(f"{what} is broken (it declares {declared} bytes and has {size}): write it again")
 

@@ -146,21 +146,21 @@ class _Bag:
         masks = [name for name in self._of(_IMAGES) if any(word in name for word in ("label", "mask", "seg"))]
         depths = [name for name in self._of(_IMAGES) if "depth" in name and name not in masks]
         depths = depths or self._of((_CLOUD,))
-        seen = self._chosen("depth", depth, depths, (*_IMAGES, _CLOUD))
+        seen = self._choose_topic("depth", depth, depths, (*_IMAGES, _CLOUD))
         if seen.kind == _CLOUD:
             return _Stream(seen)
         infos = self._of((_INFO,))
         beside = [name for name in infos if name.rsplit("/", 1)[0] == seen.topic.rsplit("/", 1)[0]]
         return _Stream(
             seen,
-            self._chosen("info", info, beside if len(beside) == 1 else infos, (_INFO,)),
-            self._chosen("labels", labels, masks, _IMAGES),
+            self._choose_topic("info", info, beside if len(beside) == 1 else infos, (_INFO,)),
+            self._choose_topic("labels", labels, masks, _IMAGES),
         )
 
     def _of(self, kinds: Sequence[str]) -> list[str]:
         return [name for name, topic in self._topics.items() if topic.kind in kinds]
 
-    def _chosen(self, role: str, given: str | None, found: list[str], kinds: Sequence[str]) -> _Topic:
+    def _choose_topic(self, role: str, given: str | None, found: list[str], kinds: Sequence[str]) -> _Topic:
         short = " or ".join(kind.rsplit("/", 1)[1] for kind in kinds)
         has = ", ".join(f"{name} ({each.kind.rsplit('/', 1)[1]})" for name, each in self._topics.items())
         if given is None and len(found) != 1:
@@ -194,7 +194,7 @@ class _Bag:
     def frame(self, stream: _Stream, moment: _Moment) -> Parts:
         """What one frame says."""
         message = next(self._messages(stream.depth, moment))[0]
-        arrays, notes = self._placed(message.header.frame_id, moment[0])
+        arrays, notes = self._poses_of_camera(message.header.frame_id, moment[0])
         where = f"{stream.depth.topic} at {moment[0] / _SECOND:.3f} s"
         if stream.info is None or stream.labels is None:
             points, labels = labelled_points(message, where)
@@ -222,11 +222,11 @@ class _Bag:
             label = _pixels(masks, stream.labels.topic)
             about = {"depth": message, "camera_info": told, "labels": masks}
             frames = {what: each.header.frame_id.lstrip("/") for what, each in about.items()}
-            if self._between(frames, "depth", "camera_info", moment[0]) is not None:
+            if self._pose_between(frames, "depth", "camera_info", moment[0]) is not None:
                 raise InvalidInput(
                     _apart(frames, "camera_info") + "name that of the depth camera with info=TOPIC"
                 )
-            if (pose := self._between(frames, "depth", "labels", moment[0])) is not None:
+            if (pose := self._pose_between(frames, "depth", "labels", moment[0])) is not None:
                 K_labels = self._intrinsics(frames["labels"], label.shape, moment[0])
                 depth, label = labels_from(depth, K, label, K if K_labels is None else K_labels, pose)
                 notes.append(
@@ -237,7 +237,7 @@ class _Bag:
         parts.notes += [*notes, *self._left_out]
         return parts
 
-    def _between(self, frames: Mapping[str, str], one: str, other: str, stamp: int) -> FloatArray | None:
+    def _pose_between(self, frames: Mapping[str, str], one: str, other: str, stamp: int) -> FloatArray | None:
         """(4, 4) pose of one message's frame in that of another; None where they are the same place.
 
         Raises:
@@ -261,7 +261,7 @@ class _Bag:
                 return intrinsics_of(told)
         return None
 
-    def _placed(self, frame: str, stamp: int) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    def _poses_of_camera(self, frame: str, stamp: int) -> tuple[dict[str, NDArray[Any]], list[str]]:
         """Where tf says that the camera and the robot's base are, and which way is up."""
         parents = self._parents(stamp)
         pose, root = to_root(frame.lstrip("/"), parents)

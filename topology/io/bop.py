@@ -57,7 +57,7 @@ def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
     if (scene := _scene_below(path)) is not None:
         raise InvalidInput(f"is no scene, and holds scenes of BOP: give the folder of one, such as {scene}")
     cameras, truth = (_by_image(path / name) for name in (_CAMERAS, _TRUTH))
-    number, notes = _chosen(image, cameras)
+    number, notes = _choose_image(image, cameras)
     camera, poses = cameras[number], truth.get(number, [])
     if not isinstance(camera, dict):
         raise InvalidInput(f"{_CAMERAS}: image {number} is {camera!r}: expected cam_K and depth_scale")
@@ -65,12 +65,12 @@ def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
         raise InvalidInput(f"{_TRUTH} says nothing of image {number}: expected the poses of its objects")
     to_world = _camera_pose(cast(dict[str, Any], camera))
     names = _names(cast(list[Any], poses))
-    seen = _seen(path, number, cast(dict[str, Any], camera), to_world, names, notes)
+    seen = _depth_image(path, number, cast(dict[str, Any], camera), to_world, names, notes)
     if models or seen is None:
         if not models:
             _refuse_gap(path, number)
             notes.append("there is no depth with masks: the models at their true poses are taken")
-        parts = _placed(path, cast(list[Any], poses), names, to_world)
+        parts = _place_models(path, cast(list[Any], poses), names, to_world)
         parts.background = np.empty((0, 3)) if seen is None else seen.background()
     else:
         clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) >= FEWEST_SEEN}
@@ -121,7 +121,7 @@ def _by_image(path: Path) -> dict[int, Any]:
         raise InvalidInput(f'{path.name} is not by image: expected {{"0": ..., "1": ...}}') from error
 
 
-def _chosen(image: int | None, cameras: Mapping[int, Any]) -> tuple[int, list[str]]:
+def _choose_image(image: int | None, cameras: Mapping[int, Any]) -> tuple[int, list[str]]:
     """The image that is meant, and the note on one that was not named."""
     if not cameras:
         raise InvalidInput(f"{_CAMERAS} has no images: expected at least one")
@@ -172,7 +172,7 @@ def _names(poses: list[Any]) -> dict[str, int]:
     return named
 
 
-def _seen(
+def _depth_image(
     path: Path,
     number: int,
     camera: Mapping[str, Any],
@@ -228,7 +228,7 @@ def _plane(file: Path) -> Array:
     return picture
 
 
-def _placed(path: Path, poses: list[Any], names: Mapping[str, int], to_world: FloatArray) -> Parts:
+def _place_models(path: Path, poses: list[Any], names: Mapping[str, int], to_world: FloatArray) -> Parts:
     """The models, which stand in a folder beside the split's, at their poses."""
     parts = Parts(clouds={})
     for name, row in names.items():

@@ -116,7 +116,7 @@ def mask_of(segmentation: Any, shape: tuple[int, ...], what: str = "the mask") -
             raise InvalidInput(
                 f"{what} is of the size {size}: expected counts and the image's, {[height, width]}"
             )
-        lengths = _unpacked(counts, what) if isinstance(counts, (str, bytes)) else _whole(counts, what)
+        lengths = _run_lengths(counts, what) if isinstance(counts, (str, bytes)) else _whole(counts, what)
         if min(lengths, default=0) < 0 or sum(lengths) != height * width:
             raise InvalidInput(
                 f"{what} has runs of {sum(lengths)} pixels together: expected {height * width}, none below 0"
@@ -124,11 +124,11 @@ def mask_of(segmentation: Any, shape: tuple[int, ...], what: str = "the mask") -
         values = np.arange(len(lengths)) % 2 == 1
         return np.repeat(values, lengths).reshape(width, height).T
     if isinstance(segmentation, Sequence) and not isinstance(segmentation, (str, bytes)) and segmentation:
-        return _filled(segmentation, height, width, what)
+        return _fill_polygons(segmentation, height, width, what)
     raise InvalidInput(f"{what} has no segmentation: expected polygons, or {{'size', 'counts'}}")
 
 
-def _filled(polygons: Sequence[Any], height: int, width: int, what: str) -> BoolArray:
+def _fill_polygons(polygons: Sequence[Any], height: int, width: int, what: str) -> BoolArray:
     from PIL import Image, ImageDraw
 
     picture = Image.new("1", (width, height))
@@ -143,7 +143,7 @@ def _filled(polygons: Sequence[Any], height: int, width: int, what: str) -> Bool
     return np.asarray(picture, dtype=np.bool_)
 
 
-def _unpacked(counts: str | bytes, what: str) -> list[int]:
+def _run_lengths(counts: str | bytes, what: str) -> list[int]:
     """The lengths of compressed runs: five bits a character, each from the third on less that two before."""
     data = counts.encode("ascii", "replace") if isinstance(counts, str) else counts
     lengths: list[int] = []

@@ -56,14 +56,14 @@ def read(path: Path) -> Parts:
     files = _files_by_object(path, described)
     poses = {
         name: as_pose(cast(ArrayLike, pose), f"pose of {name!r} in {_DESCRIPTION}")
-        for name, pose in _mapping(described, "poses").items()
+        for name, pose in _mapping_of(described, "poses").items()
     }
     for name in poses:
         if name not in files:
-            raise InvalidInput(f"{_DESCRIPTION} has a pose of {name!r}, but the objects are {_listed(files)}")
+            raise InvalidInput(f"{_DESCRIPTION} has a pose of {name!r}, but the objects are {_list(files)}")
     parts = Parts(
         clouds={},
-        fixed=_fixed(described),
+        fixed=_fixed_names(described),
         up=described.get("up"),
         viewpoints=described.get("viewpoints"),
         table_plane=described.get("table_plane"),
@@ -77,7 +77,7 @@ def read(path: Path) -> Parts:
         friction=described.get("friction"),
         centres=described.get("centres"),
     )
-    parts.notes += _unused(path, files.values())
+    parts.notes += _note_on_unused(path, files.values())
     for name, file in files.items():
         _add_object(parts, name, file, poses.get(name))
     return parts
@@ -95,7 +95,7 @@ def _add_object(parts: Parts, name: str, file: Path, pose_object_to_world: Float
 def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]:
     """Name every file: as `files` says, the others after themselves."""
     named: dict[str, Path] = {}
-    for name, file in _mapping(described, "files").items():
+    for name, file in _mapping_of(described, "files").items():
         if not isinstance(file, str):
             raise InvalidInput(f"{_DESCRIPTION} gives {file!r} as the file of {name!r}: expected a file name")
         place = folder / file
@@ -135,7 +135,7 @@ def _is_object(place: Path) -> bool:
     return other is None or (other == NOTES and suffix == ".xyz")
 
 
-def _unused(folder: Path, used: Iterable[Path]) -> list[str]:
+def _note_on_unused(folder: Path, used: Iterable[Path]) -> list[str]:
     """The note on what is in the folder and was not read; hidden files are nobody's objects."""
     known = {os.path.realpath(place) for place in (*used, folder / _DESCRIPTION)}
     left = [place for place in sorted(folder.iterdir()) if os.path.realpath(place) not in known]
@@ -162,14 +162,14 @@ def _read_description(path: Path) -> dict[str, Any]:
     return cast(dict[str, Any], described)
 
 
-def _mapping(described: dict[str, Any], key: str) -> dict[str, Any]:
+def _mapping_of(described: dict[str, Any], key: str) -> dict[str, Any]:
     value = described.get(key) or {}
     if not isinstance(value, dict):
         raise InvalidInput(f"{_DESCRIPTION}: {key} holds {type(value).__name__}, expected {{name: ...}}")
     return cast(dict[str, Any], value)
 
 
-def _fixed(described: dict[str, Any]) -> list[str]:
+def _fixed_names(described: dict[str, Any]) -> list[str]:
     value = described.get("fixed") or []
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in cast(list[Any], names)):
@@ -177,5 +177,5 @@ def _fixed(described: dict[str, Any]) -> list[str]:
     return cast(list[str], names)
 
 
-def _listed(names: Iterable[str]) -> str:
+def _list(names: Iterable[str]) -> str:
     return ", ".join(sorted(names))

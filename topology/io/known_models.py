@@ -70,7 +70,7 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
             continue
         model, (points, faces, vertices) = read_model(meant[0], files[meant[0]])
         seen = thinned(clean(scene.seen(name)), SEEN_SPACING)
-        fit = register(model, seen, _excluded(scene, seen, sight), _view_direction(scene, seen))
+        fit = register(model, seen, _space_excluded(scene, seen, sight), _view_direction(scene, seen))
         fit = fits[name] = replace(fit, seen=scene.seen(name), refused=_refusal(fit, len(seen)))
         notes.append(_sentence(name, fit))
         if fit.refused is None:
@@ -106,7 +106,7 @@ def _view_direction(scene: Scene, seen: FloatArray) -> FloatArray | None:
     return mean / length if length > AGREED else None
 
 
-def _excluded(scene: Scene, seen: FloatArray, sight: FreeSpace | None) -> Excluded:
+def _space_excluded(scene: Scene, seen: FloatArray, sight: FreeSpace | None) -> Excluded:
     """Where nothing of an object can be: what a camera looked through, and under the top that it is over."""
     up = scene.up
     found = [] if up is None else [tops_of(scene.clouds[name], up).under(seen) for name in scene.fixed]

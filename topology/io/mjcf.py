@@ -186,7 +186,7 @@ def _parts(mujoco: Any, model: Any, data: Any, names: Mapping[int, str], ignored
         roots[owner[g]] = int(model.body_rootid[model.geom_bodyid[g]])
     if not pieces:
         raise InvalidInput("nothing in it can be touched: expected geoms that collide")
-    meshes = {name: _joined(some) for name, some in pieces.items()}
+    meshes = {name: _join(some) for name, some in pieces.items()}
     free = {name: body for name, body in roots.items() if _is_free(mujoco, model, body)}
     gravity = np.asarray(model.opt.gravity, dtype=np.float64)
     return Parts(
@@ -275,7 +275,7 @@ def _hull(points: FloatArray) -> tuple[FloatArray, IntArray]:
     return corners, faces
 
 
-def _joined(pieces: Iterable[tuple[FloatArray, IntArray]]) -> Mesh:
+def _join(pieces: Iterable[tuple[FloatArray, IntArray]]) -> Mesh:
     corners, faces, count = list[FloatArray](), list[IntArray](), 0
     for points, triangles in pieces:
         corners.append(points)

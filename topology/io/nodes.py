@@ -44,7 +44,7 @@ def read(path: Path) -> Parts:
     found = _nodes(path) if glb else _groups(path)
     if not found:
         raise InvalidInput("it holds no mesh: expected a node or group of triangles an object")
-    meshes = {as_name(name): _joined(name, pieces) for name, pieces in found.items()}
+    meshes = {as_name(name): _join(name, pieces) for name, pieces in found.items()}
     return Parts(
         {name: sampled_mesh(mesh.vertices, mesh.faces) for name, mesh in meshes.items()},
         up=np.array([0.0, 1.0, 0.0]) if glb else None,
@@ -92,7 +92,7 @@ def _groups(path: Path) -> dict[str, list[_Piece]]:
                 raise InvalidInput(f"line {number} names a vertex that is not there: it has {len(corners)}")
             faces.setdefault(name, []).extend((around[0], *pair) for pair in pairwise(around[1:]))
     points = np.array(corners, dtype=np.float64).reshape(-1, 3)
-    return {name: [_used(points, np.array(some))] for name, some in faces.items()}
+    return {name: [_own_corners(points, np.array(some))] for name, some in faces.items()}
 
 
 def _numbers(words: list[str], kind: Callable[[str], _Number], line: int, expected: str) -> list[_Number]:
@@ -106,7 +106,7 @@ def _numbers(words: list[str], kind: Callable[[str], _Number], line: int, expect
     return found
 
 
-def _used(points: FloatArray, faces: IntArray) -> _Piece:
+def _own_corners(points: FloatArray, faces: IntArray) -> _Piece:
     """Triangles with their own corners alone."""
     kept, renamed = np.unique(faces, return_inverse=True)
     return points[kept], renamed.reshape(-1, 3)
@@ -134,7 +134,7 @@ def _owners(graph: Any) -> dict[str, str]:
     return found
 
 
-def _joined(name: str, pieces: list[_Piece]) -> Mesh:
+def _join(name: str, pieces: list[_Piece]) -> Mesh:
     starts = np.cumsum([0, *(len(corners) for corners, _ in pieces)])
     corners = as_points(np.concatenate([corners for corners, _ in pieces]), f"object {name!r}")
     faces = [part + start for (_, part), start in zip(pieces, starts, strict=False)]

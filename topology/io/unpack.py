@@ -75,7 +75,7 @@ def _install() -> None:
     mcap: dict[str, Callable[[bytes, int], bytes]] = storage_mcap.DECOMPRESSORS
     mcap["lz4"] = partial(_chunk, LZ4FrameDecompressor, mcap["lz4"])
     mcap["zstd"] = partial(_chunk, zstd.ZstdDecompressor, mcap["zstd"])
-    folders.zstd = SimpleNamespace(decompress=partial(_message, zstd), open=partial(_opened, zstd))
+    folders.zstd = SimpleNamespace(decompress=partial(_message, zstd), open=partial(_open_packed, zstd))
     apsw.connection_hooks.append(_check_database)
 
 
@@ -142,7 +142,7 @@ def _up_to(kind: Callable[[], Any], size: int, data: bytes) -> bytes:
 
 
 @contextmanager
-def _opened(zstd: Any, *args: Any) -> Generator[Any, None, None]:
+def _open_packed(zstd: Any, *args: Any) -> Generator[Any, None, None]:
     """Open a packed file, all of which is unpacked to a temporary one."""
     with zstd.open(*args) as file:
         yield SimpleNamespace(read=partial(_read, file))

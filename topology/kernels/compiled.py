@@ -73,11 +73,11 @@ _SIGNATURES = {
 
 def kernels() -> ctypes.CDLL | None:
     """The compiled kernels, which let other threads run; None where the twins are to run."""
-    return None if os.environ.get(VARIABLE) == "numpy" else _loaded()
+    return None if os.environ.get(VARIABLE) == "numpy" else _library()
 
 
 @cache
-def _loaded() -> ctypes.CDLL | None:
+def _library() -> ctypes.CDLL | None:
     path = library()
     if not path.exists():
         return None
@@ -100,5 +100,5 @@ def path_in_words() -> str:
     """Which path runs, for `topple --version`."""
     if kernels() is not None:
         return "compiled kernels"
-    why = f"{VARIABLE}=numpy" if _loaded() else "none compiled: python -m topple.topology.kernels.build"
+    why = f"{VARIABLE}=numpy" if _library() else "none compiled: python -m topple.topology.kernels.build"
     return f"numpy twins of the kernels ({why})"

@@ -141,7 +141,7 @@ def merge_views(
     stray = outliers(cells.points)
     _check(float(stray.mean()), TOLERANCES.outliers, "of what stands on the ground are outliers")
     if all(masked):
-        objects, called = _named(placed, cells, same_labels)
+        objects, called = _owner(placed, cells, same_labels)
     else:
         objects = np.full(len(cells.points), -1)
         objects[~stray] = segmented(cells.points[~stray], cells.eyes[~stray])
@@ -226,7 +226,7 @@ def _ground_labels(image: DepthImage, height: FloatArray) -> list[int]:
     return found
 
 
-def _named(images: Sequence[DepthImage], cells: _Cells, same_labels: bool) -> tuple[IntArray, dict[int, str]]:
+def _owner(images: Sequence[DepthImage], cells: _Cells, same_labels: bool) -> tuple[IntArray, dict[int, str]]:
     """Which object each pixel is of, by the masks; labels of different views are matched."""
     objects = np.full(len(cells.cell), -1, dtype=np.int64)
     called: dict[int, str] = {}
@@ -237,7 +237,7 @@ def _named(images: Sequence[DepthImage], cells: _Cells, same_labels: bool) -> tu
         if same_labels or not called:
             meant = {label: known.get(name, -1) for label, name in own.items()}
         else:
-            meant = _matched(cells, objects, labels, part, own)
+            meant = _match_labels(cells, objects, labels, part, own)
         taken = set(called.values())
         for label, name in own.items():
             if meant.get(label, -1) < 0:
@@ -260,7 +260,7 @@ def _without_crumbs(objects: IntArray, called: dict[int, str], cells: _Cells) ->
             del called[number]
 
 
-def _matched(
+def _match_labels(
     cells: _Cells, objects: IntArray, labels: IntArray, part: slice, own: Mapping[int, str]
 ) -> dict[int, int]:
     """The object that each label of a view is, by the share of its surface that was seen before."""

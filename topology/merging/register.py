@@ -108,8 +108,8 @@ def register(
     ]
     placed, found = [views[0]], list[Registration]()
     for view, ground, name in zip(views[1:], grounds[1:], names[1:], strict=True):
-        level = _levelled(ground, grounds[0], view.standing.mean(axis=0), name)
-        pose = _refined(gicp, placed, view, _searched(placed, view, level, grounds[0].up))
+        level = _level_onto(ground, grounds[0], view.standing.mean(axis=0), name)
+        pose = _refine(gicp, placed, view, _search_in_plane(placed, view, level, grounds[0].up))
         fit = _fit(placed, view, pose)
         if (why := fit.why_poor()) is not None:
             raise InvalidInput(
@@ -129,7 +129,7 @@ def _small_gicp() -> ModuleType:
     return small_gicp
 
 
-def _levelled(ground: Ground, wanted: Ground, about: FloatArray, name: str) -> FloatArray:
+def _level_onto(ground: Ground, wanted: Ground, about: FloatArray, name: str) -> FloatArray:
     """The pose (4, 4) that lays a ground into another one, turning about a point (3,) [m]."""
     axis, cosine = np.cross(ground.up, wanted.up), float(ground.up @ wanted.up)
     angle = float(np.arctan2(np.linalg.norm(axis), cosine))
@@ -145,7 +145,7 @@ def _levelled(ground: Ground, wanted: Ground, about: FloatArray, name: str) -> F
     return pose
 
 
-def _searched(placed: Sequence[_View], view: _View, level: FloatArray, up: FloatArray) -> FloatArray:
+def _search_in_plane(placed: Sequence[_View], view: _View, level: FloatArray, up: FloatArray) -> FloatArray:
     """The best pose (4, 4) among those that move a levelled view in its ground's plane."""
     across = perpendiculars(up)
     middle = transformed(view.standing.mean(axis=0), level)
@@ -177,7 +177,7 @@ def _searched(placed: Sequence[_View], view: _View, level: FloatArray, up: Float
     return pose(best)
 
 
-def _refined(gicp: ModuleType, placed: Sequence[_View], view: _View, pose: FloatArray) -> FloatArray:
+def _refine(gicp: ModuleType, placed: Sequence[_View], view: _View, pose: FloatArray) -> FloatArray:
     """The pose (4, 4) after GICP in all six directions; as it was where that fits less well."""
     target = np.concatenate([part for other in placed for part in (other.standing, other.ground)])
     source = transformed(np.concatenate([view.standing, view.ground]), pose)

@@ -43,8 +43,8 @@ def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: FreeSpace) -> float:
         facing = length <= closest + DEPTH
         start, end = start[facing], end[facing]
         if len(start):
-            found = _seen(one, start, end, sight)
-            found[found] = _seen(other, end[found], start[found], sight)
+            found = _seen_from_front(one, start, end, sight)
+            found[found] = _seen_from_front(other, end[found], start[found], sight)
             between = start[~found] * (1 - SHARES) + end[~found] * SHARES
             free = sight.empty(between.reshape(-1, 3), DEPTH_NOISE).reshape(len(SHARES), -1).any(axis=0)
             found[~found] = free
@@ -67,7 +67,7 @@ def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, F
     return places, ends, length
 
 
-def _seen(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: FreeSpace) -> BoolArray:
+def _seen_from_front(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: FreeSpace) -> BoolArray:
     """Which places of a hull have a surface near them that some camera sees from the side it faces."""
     covered = a.tree.query(places)[0] <= max(COVERED * a.spacing, DEPTH_NOISE)
     return covered & sight.facing(places, towards - places)

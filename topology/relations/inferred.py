@@ -73,7 +73,7 @@ def infer_contacts(
             if frozenset((name, support.supporter)) in hidden:
                 pair = relations.between(support.supporter, name)
                 relations = relations.with_pair(
-                    _touching(pair, confidence(Evidence.FLOATS, len(scene.viewpoints)), FLOATS)
+                    _as_touching(pair, confidence(Evidence.FLOATS, len(scene.viewpoints)), FLOATS)
                 )
     return relations
 
@@ -100,7 +100,7 @@ def _meeting_between_points(scene: Scene, relations: AnyTable) -> AnyTable:
     sure = confidence(Evidence.MEETS, len(scene.viewpoints))
     for each, pair in narrow.items():
         if each in meeting:
-            relations = relations.with_pair(_touching(pair, sure, MEET))
+            relations = relations.with_pair(_as_touching(pair, sure, MEET))
     return relations
 
 
@@ -147,10 +147,10 @@ def floating_objects(scene: Scene, relations: RelationTable) -> frozenset[str]:
     """
     up = np.asarray(scene.up)
     height = cache(lambda name: _height(scene.clouds[name], up))
-    return frozenset(name for name in scene.movable if not _held(name, scene, relations, up, height))
+    return frozenset(name for name in scene.movable if not _is_held(name, scene, relations, up, height))
 
 
-def _held(
+def _is_held(
     name: str, scene: Scene, relations: RelationTable, up: FloatArray, height: Callable[[str], float]
 ) -> bool:
     """Whether an object is in something, stands on what is fixed, or has its middle over what it touches."""
@@ -186,7 +186,7 @@ def _may_touch(pair: PairRelation) -> bool:
     return pair.relation is Relation.DISJOINT and pair.within(TOLERANCES.reach)
 
 
-def _touching(pair: PairRelation, sure: float, reason: str) -> PairRelation:
+def _as_touching(pair: PairRelation, sure: float, reason: str) -> PairRelation:
     """The pair in contact, at a place that no point shows."""
     return replace(
         pair,

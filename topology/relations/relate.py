@@ -149,7 +149,7 @@ def relate_all(
     if executor is None:
         return [each(as_scene(one)) for one in scenes]
     given = list(scenes)
-    found = all_of(partial(_told, each), given, executor)
+    found = all_of(partial(_as_told, each), given, executor)
     make = RULES[rule or ("plain" if plain else "robust")]
     return [
         Relations(names, _LazyBasis(source, make, deviation), near, extents)
@@ -162,7 +162,7 @@ _Told = tuple[tuple[str, ...], float, Mapping[tuple[int, int], PairRelation], tu
 """What comes back from a worker: names, deviation, near pairs, boxes; the rest follows from the scene."""
 
 
-def _told(each: Callable[[Scene], Relations], source: _Source) -> _Told:
+def _as_told(each: Callable[[Scene], Relations], source: _Source) -> _Told:
     found = each(as_scene(source))
     return found.objects, found.deviation, found.near, tuple(map(Extent.of, found.extents))
 

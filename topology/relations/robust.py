@@ -67,17 +67,17 @@ class RobustRule:
         least = box_distance(a, b)
         if least > self._reach(a, b) + max(a.spacing, b.spacing):  # no patch of either reaches the other
             nowhere = np.array([[0, 0, a.size], [0, 0, b.size]], dtype=np.int64)
-            out = cache(lambda: self._out(closest(a, b), least))
+            out = cache(lambda: self._gap_between(closest(a, b), least))
             pair = PairRelation(a.name, b.name, Relation.DISJOINT, nowhere, out, least_gap=least)
             return self._weigh(pair, a, b)
         near = closest(a, b)
         touching = near.gap <= self.deviation
-        one, other = self._counted(a, b, near.of_a), self._counted(b, a, near.of_b)
+        one, other = self._count_points(a, b, near.of_a), self._count_points(b, a, near.of_b)
         matrix = np.stack([one.counts, other.counts])
         relation = self._relation(one, other, touching)
         depth = max(one.depth(b), other.depth(a)) if relation is Relation.CROSS else 0.0
         reason = _reason(matrix, relation)
-        gap = near.gap if touching else self._out(near, least)
+        gap = near.gap if touching else self._gap_between(near, least)
         pair = PairRelation(
             a=a.name,
             b=b.name,
@@ -89,7 +89,7 @@ class RobustRule:
         )
         return self._weigh(pair, a, b)
 
-    def _out(self, near: Closest, least: float) -> float:
+    def _gap_between(self, near: Closest, least: float) -> float:
         """The gap [m] of two that do not touch, whose boxes are at least so far apart [m].
 
         A patch reaches half its spacing beyond the last sample; what is apart is not that close. Whether it
@@ -176,7 +176,7 @@ class RobustRule:
         _, axes = np.linalg.eigh(centred.T @ centred)
         return [sign * axis for axis in axes.T for sign in (1.0, -1.0)]
 
-    def _counted(self, a: SurfaceCloud, b: SurfaceCloud, known: Reaching | None) -> "_Counted":
+    def _count_points(self, a: SurfaceCloud, b: SurfaceCloud, known: Reaching | None) -> "_Counted":
         """Where the mean points of A lie in B; how far they are from B's is known as far as that reaches."""
         interior = self._interior(a, b)
         rest = np.flatnonzero(~interior)

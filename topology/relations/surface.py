@@ -226,7 +226,7 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     near_b = distances(b.coarse, a, limit)
     found = closest_places(_fine(a, near_a, limit), _fine(b, near_b, limit), CANDIDATES, PATCH)
     rank = min(8, 1 + min(len(a.order), len(b.order)) // 60)  # so many strays may come closer
-    gap = min(_ranked(surface, rank) for surface, _ in found)
+    gap = min(_rank_value(surface, rank) for surface, _ in found)
     sample = min(float(samples.min()) for _, samples in found)
     return Closest(gap, sample, of_a, Reaching(near_b, limit))
 
@@ -246,7 +246,7 @@ def distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArr
     return other.tree.query(points, distance_upper_bound=within)[0]
 
 
-def _ranked(values: FloatArray, rank: int) -> float:
+def _rank_value(values: FloatArray, rank: int) -> float:
     """The value that `rank - 1` others fall below."""
     rank = min(rank, len(values))
     return float(np.partition(values, rank - 1)[rank - 1])

@@ -62,7 +62,7 @@ def find_table(
         count = int(on.sum())
         if count < PLANE_FEWEST:
             break
-        score = (_standing(plane, clouds, viewpoints), count)
+        score = (_count_standing(plane, clouds, viewpoints), count)
         if score > best and score[0] >= 0:
             best, table = score, plane
         left = left[~on]
@@ -242,7 +242,7 @@ def _on(points: FloatArray, plane: FloatArray) -> BoolArray:
     return np.abs(points @ plane[:3] + plane[3]) <= ON_PLANE
 
 
-def _standing(plane: FloatArray, clouds: Mapping[str, FloatArray], viewpoints: FloatArray) -> int:
+def _count_standing(plane: FloatArray, clouds: Mapping[str, FloatArray], viewpoints: FloatArray) -> int:
     """How many objects are seen to stand on a plane; from right above none may be.
 
     Returns:

@@ -259,18 +259,18 @@ class Scene(ByValue):
         if found is None:
             return self
         up, note = found
-        return self._changed(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
+        return self._copy_with(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
     def examined(self, background: FloatArray | None = None, robot: Iterable[FloatArray] = ()) -> "Scene":
         """Refuse views that disagree, say which masks are wrong in kind, and add what no mask names."""
         check_views(self.images, self.fixed)
         wrong = wrong_masks(self.images, self.fixed)
         said = (*self.assumptions, *map(str, wrong))
-        return self._changed(wrong_masks=wrong, assumptions=said).with_unnamed(background, robot)
+        return self._copy_with(wrong_masks=wrong, assumptions=said).with_unnamed(background, robot)
 
     def with_masks_as_they_are(self) -> "Scene":
         """The scene with trusted masks: what is wrong with them stays said, and nothing is refused for it."""
-        return self._changed(wrong_masks=tuple(replace(wrong, trusted=True) for wrong in self.wrong_masks))
+        return self._copy_with(wrong_masks=tuple(replace(wrong, trusted=True) for wrong in self.wrong_masks))
 
     def with_unnamed(
         self, background: FloatArray | None = None, robot: Iterable[FloatArray] = (), things: bool = True
@@ -294,7 +294,7 @@ class Scene(ByValue):
         found, matter, notes = unnamed_among(seen, self.clouds, self._fixed_in_order(), self.up, things)
         clouds = {name: as_points(cloud, f"cloud {name!r}") for name, cloud in found.items()}
         joined, said = FrozenDict({**self.clouds, **clouds}), (*self.assumptions, *notes)
-        return self._changed(clouds=joined, matter=frozen(matter), assumptions=said)
+        return self._copy_with(clouds=joined, matter=frozen(matter), assumptions=said)
 
     def with_up(self, up: ArrayLike) -> "Scene":
         """Give the scene another upward direction.
@@ -308,11 +308,11 @@ class Scene(ByValue):
         Raises:
             InvalidInput: If it is not a direction.
         """
-        return self._changed(up=as_direction(up, "up"))
+        return self._copy_with(up=as_direction(up, "up"))
 
     def with_base(self, robot_base: ArrayLike) -> "Scene":
         """Put the robot's base at a rigid pose (4, 4) in the world, whatever the scene said of it."""
-        return self._changed(robot_base=as_pose(robot_base, "base"))
+        return self._copy_with(robot_base=as_pose(robot_base, "base"))
 
     def with_cloud(self, name: str, points: ArrayLike) -> "Scene":
         """Give an object a new cloud, or add one.
@@ -330,7 +330,7 @@ class Scene(ByValue):
         """
         clouds = {**self.clouds, as_name(name): as_points(points, f"cloud {name!r}")}
         lost = {key: all_but(name, getattr(self, key)) for key in ("meshes", "models", "centres")}
-        return self._changed(clouds=FrozenDict(clouds), **lost)
+        return self._copy_with(clouds=FrozenDict(clouds), **lost)
 
     def without(self, name: str) -> "Scene":
         """Take an object out of the scene.
@@ -351,7 +351,7 @@ class Scene(ByValue):
             raise InvalidInput(f"without {name!r} the scene has no objects: expected at least one")
         named = ("meshes", "masses", "friction", "models", "centres")
         left = {key: all_but(name, getattr(self, key)) for key in named}
-        return self._changed(clouds=clouds, fixed=self.fixed - {name}, **left)
+        return self._copy_with(clouds=clouds, fixed=self.fixed - {name}, **left)
 
     @checked_arguments
     def weighed(
@@ -374,7 +374,7 @@ class Scene(ByValue):
             InvalidInput: If a value is not what it should be; names the object.
             UnknownObject: If there is no such object.
         """
-        return self._changed(
+        return self._copy_with(
             masses=FrozenDict({**self.masses, **as_masses(masses, self.clouds)}),
             friction=FrozenDict({**self.friction, **as_friction(friction, self.clouds)}),
             centres=FrozenDict({**self.centres, **as_centres(centres, self.clouds)}),
@@ -390,7 +390,7 @@ class Scene(ByValue):
         about = {"fixed": sorted(self.fixed), **{key: getattr(self, key) for key in kept}}
         write_clouds(Path(path), self.clouds, about)
 
-    def _changed(self, **checked: object) -> "Scene":
+    def _copy_with(self, **checked: object) -> "Scene":
         """Copy with other attributes, which have been checked; what was worked out of this one stays here."""
         changed = object.__new__(Scene)
         changed.__dict__.update({each.name: getattr(self, each.name) for each in fields(self)} | checked)

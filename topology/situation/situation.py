@@ -252,7 +252,7 @@ class Situation:
         if not found.observed or not self.scene.images:
             return found
         patches = [each.points for each in self.contacts if {each.a, each.b} == {a, b} and not each.inferred]
-        return replace(found, pixels=self._shown(np.concatenate(patches), {a, b})) if patches else found
+        return replace(found, pixels=self._pixels(np.concatenate(patches), {a, b})) if patches else found
 
     def swept(self, name: str, other: str) -> Evidence:
         """The relation of an object, with all that it passes on its straight way out, to another one.
@@ -268,12 +268,12 @@ class Situation:
         )
         over, shown = overlap(met, body), overlap(seen, own)
         gap = self.relations.between(name, other).gap if over is None else -over.evasion * self.unit
-        pixels = () if shown is None else self._shown(along(axes.T, shown.places), {other})
+        pixels = () if shown is None else self._pixels(along(axes.T, shown.places), {other})
         relation = classify(swept_matrix(body, met))
         level = not self.goes_up(name)
         return Evidence(name, other, relation, gap, shown is not None, True, pixels, level)
 
-    def _shown(self, places: FloatArray, names: Collection[str]) -> tuple[Pixel, ...]:
+    def _pixels(self, places: FloatArray, names: Collection[str]) -> tuple[Pixel, ...]:
         """Where pictures show one of upright places (N, 3) [m] as surface of an object named, one in each."""
         places = places @ self.statics.upright.rotation
         pixels: list[Pixel] = []
@@ -291,7 +291,7 @@ class Situation:
     def way_out_from(self, points: FloatArray) -> FloatArray:
         """(3,) unit vector likewise of something whose points (N, 3) are elsewhere."""
         nothing_over = float((points @ self.up).max()) > self._highest
-        return self.up if nothing_over else way_out(points, self._fixed, self.up)
+        return self.up if nothing_over else way_out(points, self._fixed_points, self.up)
 
     def goes_up(self, name: str) -> bool:
         """Whether the way out of an object is up, and not level."""
@@ -305,10 +305,10 @@ class Situation:
     @cached_property
     def _highest(self) -> float:
         """Height of the highest fixed point along `up` [m]."""
-        return float((self._fixed @ self.up).max(initial=-np.inf))
+        return float((self._fixed_points @ self.up).max(initial=-np.inf))
 
     @cached_property
-    def _fixed(self) -> FloatArray:
+    def _fixed_points(self) -> FloatArray:
         """(N, 3) points of all that never moves, and where its boards may go on [m]."""
         clouds = [self.scene.clouds[name] for name in sorted(self.scene.fixed)]
         bodies = surfaces_of(self.scene)
@@ -322,7 +322,7 @@ class Situation:
     @cached_property
     def islands(self) -> Mapping[str, frozenset[str]]:
         """The movable objects in contact with each, or with others that are, itself among them, by name."""
-        return {n: part for part in map(frozenset, nx.connected_components(self._meeting)) for n in part}
+        return {n: part for part in map(frozenset, nx.connected_components(self._graph)) for n in part}
 
     def chain(self, a: str, b: str) -> tuple[Evidence, ...]:
         """The relations by which two movable objects hang together, through as few others as possible.
@@ -336,11 +336,11 @@ class Situation:
         """
         if b not in self.islands[a]:
             return ()
-        path = nx.shortest_path(self._meeting, a, b)
+        path = nx.shortest_path(self._graph, a, b)
         return tuple(self.between(one, other) for one, other in pairwise(path))
 
     @cached_property
-    def _meeting(self) -> "nx.Graph[str]":
+    def _graph(self) -> "nx.Graph[str]":
         """The movable objects, those in contact joined."""
         graph: nx.Graph[str] = nx.Graph()
         graph.add_nodes_from(self.movable)

@@ -56,7 +56,7 @@ def confidence(evidence: Evidence, cameras: int, measure: float = 0.0) -> float:
     Returns:
         The share, 0..1.
     """
-    return _counted()[view_of(cameras)][evidence][bin_of(evidence, measure)]
+    return _counted_shares()[view_of(cameras)][evidence][bin_of(evidence, measure)]
 
 
 def bin_of(evidence: Evidence, measure: float) -> int:
@@ -66,7 +66,7 @@ def bin_of(evidence: Evidence, measure: float) -> int:
 
 def is_best(evidence: Evidence, cameras: int, measure: float) -> bool:
     """Whether evidence of a kind in `RISING` is believed no more for a greater measure: see `confidence`."""
-    shares = _counted()[view_of(cameras)][evidence]
+    shares = _counted_shares()[view_of(cameras)][evidence]
     return shares[bin_of(evidence, measure)] == shares[-1]
 
 
@@ -76,7 +76,7 @@ def view_of(cameras: int) -> str:
 
 
 @cache
-def _counted() -> Mapping[str, Mapping[str, tuple[float, ...]]]:
+def _counted_shares() -> Mapping[str, Mapping[str, tuple[float, ...]]]:
     """Shares by view, kind and bin."""
     told = json.loads(files("topple.topology.sixim").joinpath("confidence.json").read_text(encoding="utf-8"))
     return {

@@ -306,7 +306,7 @@ class RelationTable:
             InvalidInput: The cloud is no cloud.
         """
         self._position(name)
-        return self._moved(self.scene.with_cloud(name, cloud), [name])
+        return self._follow(self.scene.with_cloud(name, cloud), [name])
 
     def followed(self: AnyTable, scene: Scene) -> AnyTable:
         """Relations of the next frame of a tracked scene: only what changed is looked at again.
@@ -324,9 +324,9 @@ class RelationTable:
             scene.viewpoints, self.scene.viewpoints
         )
         again = again or any(new is not old for new, old in zip(scene.images, self.scene.images, strict=True))
-        return self._moved(scene, changed, again) if changed or again else self
+        return self._follow(scene, changed, again) if changed or again else self
 
-    def _moved(self: AnyTable, scene: Scene, names: Sequence[str], looked_again: bool = False) -> AnyTable:
+    def _follow(self: AnyTable, scene: Scene, names: Sequence[str], looked_again: bool = False) -> AnyTable:
         """Relations of a scene of the same objects in which some have other clouds."""
         rule, prepared = self.rule.after(scene, names, looked_again), list(self.prepared)
         for name in names:

@@ -115,12 +115,12 @@ def find_contacts(
         first, so that they are the same in whatever order the objects are named.
     """
     given = upright.clouds if clouds is None else clouds
-    surfaces = {name: given[name] for name in _rising(upright, given)}
+    surfaces = {name: given[name] for name in _by_height(upright, given)}
     grounds = {name: planes_and_rest(upright, name) for name in surfaces if name in upright.fixed}
     planes = {name: planes for name, (planes, _) in grounds.items()}
     sides = {**surfaces, **{name: rest for name, (_, rest) in grounds.items()}}
     found: list[Contact] = []
-    pairs = _meeting(surfaces, planes) if among is None else _named(surfaces, among)
+    pairs = _near_pairs(surfaces, planes) if among is None else _pairs(surfaces, among)
     for a, b in pairs:
         if a in upright.fixed and b in upright.fixed:
             continue
@@ -129,12 +129,12 @@ def find_contacts(
             _on_plane(ground, plane, other, surfaces[other], reach) for plane in planes.get(ground, ())
         ]
         if len(sides[ground]):
-            touching.append(_between(a, b, sides[a], sides[b], reach))
-        found += _joined([contact for contact in touching if contact is not None])
+            touching.append(_contact(a, b, sides[a], sides[b], reach))
+        found += _join_patches([contact for contact in touching if contact is not None])
     return tuple(rubbing(contact, upright.friction) for contact in found)
 
 
-def _rising(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str]:
+def _by_height(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str]:
     """Names of surfaces, what is fixed first, the others by their middle heights."""
     return sorted(surfaces, key=lambda name: (name not in upright.fixed, float(surfaces[name][:, 2].mean())))
 
@@ -173,7 +173,7 @@ def rubbing(contact: Contact, friction: Mapping[str, float]) -> Contact:
     return replace(contact, friction=friction_between(friction, contact.a, contact.b))
 
 
-def _joined(patches: Sequence[Contact]) -> list[Contact]:
+def _join_patches(patches: Sequence[Contact]) -> list[Contact]:
     """The patches of one pair as one contact, where there are any."""
     if len(patches) < 2:
         return list(patches)
@@ -185,14 +185,14 @@ def _joined(patches: Sequence[Contact]) -> list[Contact]:
     return [Contact(first.a, first.b, points, np.concatenate(turned), gaps, turns)]
 
 
-def _named(surfaces: Mapping[str, FloatArray], among: Collection[frozenset[str]]) -> list[tuple[str, str]]:
+def _pairs(surfaces: Mapping[str, FloatArray], among: Collection[frozenset[str]]) -> list[tuple[str, str]]:
     """Pairs of surfaces that are asked about, in their order."""
     place = {name: i for i, name in enumerate(surfaces)}
     asked = [sorted(pair, key=place.__getitem__) for pair in among if pair <= place.keys()]
     return sorted(((a, b) for a, b in asked), key=lambda pair: (place[pair[0]], place[pair[1]]))
 
 
-def _meeting(
+def _near_pairs(
     surfaces: Mapping[str, FloatArray], planes: Mapping[str, Sequence[Plane]]
 ) -> list[tuple[str, str]]:
     """Pairs whose boxes are near each other, and every pair with a plane: it goes on behind the objects."""
@@ -239,7 +239,7 @@ def _first_of_cells(points: FloatArray, cell: float) -> IntArray:
     return np.sort(np.unique(cell_keys(flat, *bounds(flat), cell), return_index=True)[1])
 
 
-def _between(a: str, b: str, first: FloatArray, second: FloatArray, reach: float) -> Contact | None:
+def _contact(a: str, b: str, first: FloatArray, second: FloatArray, reach: float) -> Contact | None:
     """Contact of two clouds."""
     corners = np.array([bounds(first), bounds(second)])
     lower, upper = corners[:, 0].max(axis=0) - reach, corners[:, 1].min(axis=0) + reach

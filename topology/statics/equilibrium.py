@@ -71,14 +71,14 @@ def balance(
     for island in islands(weights, contacts):
         part = {name: weight for name, weight in weights.items() if name in island}
         concerned = [k for k, contact in enumerate(contacts) if contact.a in island or contact.b in island]
-        held = _balanced(part, [contacts[k] for k in concerned], [priced[k] for k in concerned])
+        held = _balance_island(part, [contacts[k] for k in concerned], [priced[k] for k in concerned])
         deficit |= held.deficit
         for k, load in zip(concerned, held.loads, strict=True):
             loads[k] = load
     return Balance({name: deficit[name] for name in weights}, tuple(loads))
 
 
-def _balanced(
+def _balance_island(
     weights: Mapping[str, Weight], contacts: Sequence[Contact], costs: Sequence[FloatArray]
 ) -> Balance:
     """The balance of one island."""

@@ -90,7 +90,7 @@ def _flat_faces(
     if len(gaps) < FACE_CELLS or np.subtract(*np.quantile(gaps, (0.75, 0.25))) > FACE_EVEN + 2 * noise:
         return None
     ends = _face(first, noise, 1.0), _face(second, noise, -1.0)
-    outline = None if ends[0] is None or ends[1] is None else _shared(ends[0], ends[1])
+    outline = None if ends[0] is None or ends[1] is None else _shared_outline(ends[0], ends[1])
     if outline is None:
         return None
     points = _back(np.column_stack([outline, np.zeros(len(outline))]), middle, normal)
@@ -148,7 +148,7 @@ def _most_at(heights: FloatArray) -> float:
     return float(np.median(heights[inside]))
 
 
-def _shared(first: FloatArray, second: FloatArray) -> FloatArray | None:
+def _shared_outline(first: FloatArray, second: FloatArray) -> FloatArray | None:
     """(K, 2) corners of what two convex outlines share [m]; None where that has no area."""
     try:
         outline = first[ConvexHull(first).vertices]

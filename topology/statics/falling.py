@@ -110,11 +110,11 @@ def falls(
     for island in islands(left, near, beside):
         bodies = {name: weight for name, weight in left.items() if name in island}
         holding = [c for c in near if c.a in island or c.b in island]
-        found |= _fallen(bodies, holding, without, search)
+        found |= _falls_of_island(bodies, holding, without, search)
     return {name: found[name] for name in weights if name in found}
 
 
-def _fallen(
+def _falls_of_island(
     bodies: Mapping[str, Weight], contacts: Sequence[Contact], without: Collection[str], search: Search | None
 ) -> dict[str, Fall]:
     """How far the bodies of an island sink, from which something may have been taken away.

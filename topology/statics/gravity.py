@@ -86,15 +86,15 @@ def uncarried(statics: Statics) -> float:
     Returns:
         The share, 0..1.
     """
-    standing, surfaces = _standing(statics)
-    contacts = [part for contact in standing if (part := _pushing(contact, surfaces, statics)) is not None]
+    standing, surfaces = _contacts(statics)
+    contacts = [part for contact in standing if (part := _pushes(contact, surfaces, statics)) is not None]
     seen = [contact for contact in contacts if not contact.inferred]
-    shares = [_missing(statics, seen)]
-    shares.append(shares[0] if len(seen) == len(contacts) else _missing(statics, contacts))
+    shares = [_missing_share(statics, seen)]
+    shares.append(shares[0] if len(seen) == len(contacts) else _missing_share(statics, contacts))
     return float(np.mean(shares))
 
 
-def _missing(statics: Statics, contacts: Sequence[Contact]) -> float:
+def _missing_share(statics: Statics, contacts: Sequence[Contact]) -> float:
     """Share of the weight that contacts leave uncarried; what all of them leave is known."""
     if len(contacts) == len(statics.contacts) and all(map(is_, contacts, statics.contacts)):
         deficit = statics.unexplained
@@ -104,7 +104,7 @@ def _missing(statics: Statics, contacts: Sequence[Contact]) -> float:
     return sum(masses[name] * min(deficit[name], 1.0) for name in masses) / sum(masses.values())
 
 
-def _standing(statics: Statics) -> tuple[tuple[Contact, ...], Mapping[str, FloatArray]]:
+def _contacts(statics: Statics) -> tuple[tuple[Contact, ...], Mapping[str, FloatArray]]:
     """The contacts and surfaces of the scene; with a floor's where nothing is fixed."""
     if statics.upright.fixed:
         return statics.contacts, statics.surfaces
@@ -119,7 +119,7 @@ def _standing(statics: Statics) -> tuple[tuple[Contact, ...], Mapping[str, Float
     return find_contacts(upright, surfaces), surfaces
 
 
-def _pushing(contact: Contact, surfaces: Mapping[str, FloatArray], statics: Statics) -> Contact | None:
+def _pushes(contact: Contact, surfaces: Mapping[str, FloatArray], statics: Statics) -> Contact | None:
     """The part of a contact in which a fixed surface has the object on the side to which it pushes."""
     fixed = statics.upright.fixed | {_FLOOR}
     if (contact.a in fixed) == (contact.b in fixed):
@@ -165,8 +165,8 @@ def _is_level(name: str) -> bool:
 
 def _contradiction(scene: Scene, up: FloatArray, other: FloatArray, hanging: float) -> str:
     """The line that says what does not fit and what would."""
-    what = f"up is {_listed(up)}, but then nothing carries {hanging:.0%} of the weight of the objects"
-    fits, give = f"with up {_listed(other)} they stand", f"up=[{_listed(other).replace(' ', ', ')}]"
+    what = f"up is {_words(up)}, but then nothing carries {hanging:.0%} of the weight of the objects"
+    fits, give = f"with up {_words(other)} they stand", f"up=[{_words(other).replace(' ', ', ')}]"
     if scene.images and not scene.fixed:
         return (
             f"{what}: in a depth image up is a direction of the camera's frame (0 0 1 is its viewing axis); "
@@ -197,7 +197,7 @@ def _as_in_opengl(scene: Scene, up: FloatArray) -> Iterator[FloatArray]:
             yield 2.0 * across * float(across @ up) - up
 
 
-def _listed(direction: FloatArray) -> str:
+def _words(direction: FloatArray) -> str:
     """A direction as people type it: an axis where it is one but for noise."""
     axis = np.sign(direction) * (np.abs(direction) > ALONG)
     direction = axis if axis.any() else direction

@@ -212,14 +212,14 @@ class _Held:
         if kept:
             columns = np.concatenate(kept)
             demand -= (self._matrix[:, columns] @ self._forces[columns])[rows]
-        demand -= _pressed({name: self._weights[name] for name in names}, pressing)
+        demand -= _wrench_of({name: self._weights[name] for name in names}, pressing)
         if not free:  # nothing is gone that met any, or nothing carries them
             return demand
         matrix = csc_array(self._matrix[:, np.concatenate(free)].tocsr()[rows])
         return _least_forces(matrix, demand, self._duals[places].ravel(), within)[2]
 
 
-def _pressed(weights: Mapping[str, Weight], pressing: Pressing) -> FloatArray:
+def _wrench_of(weights: Mapping[str, Weight], pressing: Pressing) -> FloatArray:
     """(6 n,) what known forces do to some objects."""
     rows, columns, values, _ = force_columns(weights, [contact for contact, _ in pressing])
     forces = np.concatenate([np.zeros(0), *(each for _, each in pressing)])
@@ -245,7 +245,7 @@ def _least_forces(
     Returns:
         The p, the forces and (6 n,) what they leave over.
     """
-    value, forces = _pushed(matrix, demand, duals)
+    value, forces = _forces_of(matrix, demand, duals)
     left = demand - matrix @ forces
     for number in range(STEPS):
         most = np.abs(left).max()
@@ -256,7 +256,7 @@ def _least_forces(
         step = np.linalg.solve(curvature + damping * np.eye(len(demand)), left)
         gain, length = float(left @ step), 1.0
         while length > 1e-4:
-            further, more = _pushed(matrix, demand, duals + length * step)
+            further, more = _forces_of(matrix, demand, duals + length * step)
             if further >= value + 1e-4 * length * gain:
                 break
             length /= 2
@@ -269,7 +269,7 @@ def _least_forces(
     return duals, forces, left
 
 
-def _pushed(matrix: csc_array, demand: FloatArray, duals: FloatArray) -> tuple[float, FloatArray]:
+def _forces_of(matrix: csc_array, demand: FloatArray, duals: FloatArray) -> tuple[float, FloatArray]:
     """How good a p is, and the forces that belong to it."""
     forces = np.maximum(matrix.T @ duals, 0.0)
     return float(demand @ duals - forces @ forces / 2), forces

@@ -274,9 +274,7 @@ def _across(a: Polyhedron, b: Polyhedron, reach: float, box: tuple[FloatArray, F
     normals = np.where((np.einsum("ij,ij->i", normals, mid_a - mid_b) < 0)[:, None], -normals, normals)
     gaps = np.einsum("ij,ij->i", normals, on_b - on_a)
     turns = np.maximum(_turn(out_of_a[first], normals), _turn(out_of_b[second], -normals))
-    meets = (
-        (np.abs(gaps) <= reach) & _between(out_of_a[first], normals) & _between(out_of_b[second], -normals)
-    )
+    meets = (np.abs(gaps) <= reach) & _in_arc(out_of_a[first], normals) & _in_arc(out_of_b[second], -normals)
     return _Hits((on_a + on_b) / 2, normals, gaps, turns).only(meets)
 
 
@@ -289,7 +287,7 @@ def _turn(sides: FloatArray, normals: FloatArray) -> FloatArray:
     return np.arccos(np.clip(np.einsum("kij,kj->ki", sides, normals).max(axis=1), -1.0, 1.0))
 
 
-def _between(sides: FloatArray, normals: FloatArray) -> BoolArray:
+def _in_arc(sides: FloatArray, normals: FloatArray) -> BoolArray:
     """Whether unit normals (K, 3) are between those of the faces on both sides (K, 2, 3) of an edge."""
     middle = sides.sum(axis=1)
     middle /= np.maximum(np.linalg.norm(middle, axis=1, keepdims=True), 1e-12)

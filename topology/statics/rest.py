@@ -91,7 +91,7 @@ class Statics:
         meeting = None if relations is None else relations.meeting
         contacts = find_contacts(upright, surfaces, among=meeting)
         if relations is not None:
-            contacts += tuple(_closed(relations, upright, surfaces, contacts))
+            contacts += tuple(_closed_gaps(relations, upright, surfaces, contacts))
         weights = {
             name: weigh(surfaces[name], scene.masses.get(name), upright.centres.get(name))
             for name in upright.movable
@@ -130,7 +130,7 @@ class Statics:
         return contact.only(contact.gaps > TOLERANCES.catch)
 
     @cached_property
-    def _joined(self) -> Mapping[str, frozenset[str]]:
+    def _islands_by_name(self) -> Mapping[str, frozenset[str]]:
         """Movable name -> all that hangs together with it: where it is taken nothing else has to be asked."""
         return {name: island for island in islands(self.weights, self._catching) for name in island}
 
@@ -155,7 +155,7 @@ class Statics:
             name -> how far, 1 where it just counts as a move, for those that move.
         """
         before = self._settled  # first, since the forces of what is in place shorten the search
-        joined = set[str]().union(*(self._joined.get(name, self._joined) for name in away))
+        joined = set[str]().union(*(self._islands_by_name.get(name, self._islands_by_name) for name in away))
         near = [c for c in self._catching if c.a in joined or c.b in joined]
         met = {name for c in near if c.a in away or c.b in away for name in (c.a, c.b)}
         free = {name: w for name, w in self.weights.items() if name in joined and name not in held}
@@ -199,7 +199,7 @@ class Statics:
         return {name: missing for name, missing in found.items() if missing > limit}
 
 
-def _closed(
+def _closed_gaps(
     relations: RelationTable, upright: Upright, surfaces: Mapping[str, FloatArray], found: Collection[Contact]
 ) -> list[Contact]:
     """The contacts of pairs that are said to touch though their surfaces are not seen to come near."""

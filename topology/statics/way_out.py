@@ -44,7 +44,7 @@ def way_out(own: FloatArray, fixed: FloatArray, up: FloatArray) -> FloatArray:
     if barring.any():  # a wall that it leans on is beside it, and not over it
         leant_on = fixed[(high > low + WALL_MARGIN) & (high < top)] @ axes.T
         barring &= ~_in_cells(around, leant_on)
-    if not barring.any() or _filled(around[barring]) < COVERED * _filled(plan):
+    if not barring.any() or _count_cells(around[barring]) < COVERED * _count_cells(plan):
         return up
     beside = (high > low + WALL_MARGIN) & (high < float(high[over][barring].min()) - WALL_MARGIN)
     walls, levels = fixed[beside] @ axes.T, high[beside]
@@ -60,7 +60,7 @@ def way_out(own: FloatArray, fixed: FloatArray, up: FloatArray) -> FloatArray:
         met = (walls @ across > least + CLEAR) & (walls @ across < most - CLEAR)
         met &= (walls @ way > (back + front) / 2.0) & (walls @ way < end + front - back)
         wall = np.column_stack([walls[met] @ across, levels[met]])
-        if _filled(wall) < WALLED * max(most - least, WALL_CELL) * window / WALL_CELL**2:
+        if _count_cells(wall) < WALLED * max(most - least, WALL_CELL) * window / WALL_CELL**2:
             found.append((end - back, way @ axes))
     return min(found, key=lambda each: each[0])[1] if found else up
 
@@ -100,7 +100,7 @@ def along(axes: FloatArray, points: FloatArray) -> FloatArray:
     return points if axes[2, 2] == 1.0 else points @ axes.T
 
 
-def _filled(flat: FloatArray) -> int:
+def _count_cells(flat: FloatArray) -> int:
     """How many cells points (N, 2) are in."""
     return len(np.unique(np.floor(flat / WALL_CELL), axis=0))
 

@@ -80,7 +80,10 @@ class FreeSpace:
         """
         changed = copy(self)
         changed._clouds = {**self._clouds, **clouds}
-        changed._shown = {**self._shown, **{name: self._news(cloud) for name, cloud in clouds.items()}}
+        changed._shown_by_cloud = {
+            **self._shown_by_cloud,
+            **{name: self._news(cloud) for name, cloud in clouds.items()},
+        }
         changed.__dict__.pop("_rays", None)
         return changed
 
@@ -156,7 +159,7 @@ class FreeSpace:
         return tuple(cloud[image.depth_past(world) > MARGIN] for image in self._images)
 
     @cached_property
-    def _shown(self) -> dict[str, tuple[FloatArray, ...]]:
+    def _shown_by_cloud(self) -> dict[str, tuple[FloatArray, ...]]:
         """What each cloud adds."""
         return {name: self._news(cloud) for name, cloud in self._clouds.items()}
 
@@ -164,6 +167,6 @@ class FreeSpace:
     def _rays(self) -> list[_Rays]:
         """The lines of sight of each camera to the points of the clouds that count for it."""
         return [
-            _Rays.of(np.concatenate([news[number] for news in self._shown.values()]), centre)
+            _Rays.of(np.concatenate([news[number] for news in self._shown_by_cloud.values()]), centre)
             for number, centre in enumerate(self.viewpoints)
         ]

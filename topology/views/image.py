@@ -144,7 +144,7 @@ class DepthImage(ByValue):
         points = self.lifted(rows[by_label], columns[by_label])
         present, starts = np.unique(labels[by_label], return_index=True)
         pieces = np.split(points, starts[1:]) if len(present) else []
-        return self._named(present, pieces)
+        return self._by_name(present, pieces)
 
     def background(self) -> FloatArray:
         """Lift the pixels that have depth and are of no object.
@@ -225,9 +225,9 @@ class DepthImage(ByValue):
             Number of mask pixels per object, by ascending label.
         """
         present, counts = np.unique(self.label[self.label > 0], return_counts=True)
-        return self._named(present, counts.tolist())
+        return self._by_name(present, counts.tolist())
 
-    def _named(self, numbers: IntArray, values: Iterable[_Value]) -> dict[str, _Value]:
+    def _by_name(self, numbers: IntArray, values: Iterable[_Value]) -> dict[str, _Value]:
         """Values of labels by name, without what is to be ignored."""
         named = zip(map(self.name_of, numbers.tolist()), values, strict=True)
         return {name: value for name, value in named if name != IGNORED}

@@ -99,7 +99,7 @@ def wrong_masks(images: "Sequence[DepthImage]", fixed: Collection[str]) -> tuple
 
 def _in_image(image: "DepthImage", fixed: Collection[str]) -> Iterator[WrongMask]:
     """What a single image shows, of a window around all that can move."""
-    depth, owner, asked = _thinned(image, fixed)
+    depth, owner, asked = _thin_picture(image, fixed)
     label = np.where(np.isin(owner, asked), owner, np.minimum(owner, 0))
     rows, columns = (np.flatnonzero((label > 0).any(axis=axis)) for axis in (1, 0))
     if not asked:
@@ -109,11 +109,11 @@ def _in_image(image: "DepthImage", fixed: Collection[str]) -> Iterator[WrongMask
     for pair in _smooth(picture):
         names = tuple(sorted(image.name_of(number) for number in pair if number > 0))
         yield WrongMask(MaskFault.SPLIT if len(names) > 1 else MaskFault.LEVEL, names)
-    for number in _merged(picture):
+    for number in _merged_labels(picture):
         yield WrongMask(MaskFault.MERGED, (image.name_of(number),))
 
 
-def _thinned(image: "DepthImage", fixed: Collection[str]) -> tuple[FloatArray, IntArray, list[int]]:
+def _thin_picture(image: "DepthImage", fixed: Collection[str]) -> tuple[FloatArray, IntArray, list[int]]:
     """Depth [m] and owners of every so manieth pixel (H, W), and the labels among them of what can move."""
     every = _every(image)
     label = image.label if image.borders.moved == (0, 0) else image.borders.owner
@@ -157,7 +157,7 @@ def _smooth(picture: Picture) -> Iterator[list[int]]:
         yield numbers[list(divmod(found, len(numbers)))].tolist()
 
 
-def _merged(picture: Picture) -> Iterator[int]:
+def _merged_labels(picture: Picture) -> Iterator[int]:
     """Labels of which two pieces meet within the mask at a step or an inward crease, and are not hollow."""
     inverse, label = picture.inverse.reshape(-1, picture.width), picture.label.reshape(-1, picture.width)
     pieces = np.zeros(label.shape, dtype=np.int32)
@@ -222,7 +222,7 @@ def _are_two(inverse: FloatArray, mask: BoolArray, one: BoolArray, other: BoolAr
 
 def _duplicates(one: "DepthImage", other: "DepthImage", fixed: Collection[str]) -> Iterator[WrongMask]:
     """Objects whose surface another camera sees, and calls otherwise."""
-    depth, label, asked = _thinned(one, fixed)
+    depth, label, asked = _thin_picture(one, fixed)
     rows, columns = np.nonzero(np.isin(label, asked) & (depth > 0))
     every = _every(one)
     called = other.labels_at(one.lifted(every * rows, every * columns), OFF)
