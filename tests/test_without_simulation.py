@@ -55,17 +55,8 @@ def test_relations_orders_and_pages_need_no_engine(folder: Path) -> None:
 @pytest.mark.slow
 def test_an_arm_of_ones_own_plans_ranks_and_is_exported(folder: Path) -> None:
     models = pytest.importorskip("airo_models", reason="no URDF of an arm: airo-models is not installed")
-    arm = (
-        "--robot",
-        str(models.get_urdf_path("ur5e")),
-        "--gripper",
-        "cup.toml",
-        "--base",
-        "-0.5",
-        "0",
-        "0",
-        "0",
-    )
+    urdf = str(models.get_urdf_path("ur5e"))
+    arm = ("--robot", urdf, *"--gripper cup.toml --base -0.5 0 0 0".split())
     _topple(folder, "plan", "scene.npz", "--target", "box", *arm, "-o", "plan.json")
     plan = json.loads((folder / "plan.json").read_text(encoding="utf-8"))
     assert [step["object"] for step in plan["steps"]] == ["box"]

@@ -16,6 +16,8 @@ from topple.planner.planning.plan_format import plan_from_json
 from topple.robots.world.bodies import Body
 from topple.topology.scene.scene import Scene
 
+BASE = "--base -0.5 0 0 0".split()
+
 
 @pytest.fixture
 def scene(tmp_path: Path) -> Path:
@@ -30,21 +32,7 @@ def scene(tmp_path: Path) -> Path:
 
 def test_a_plan_is_written_and_read_back(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     place = scene.parent / "plan.json"
-    argv = [
-        "plan",
-        str(scene),
-        "--target",
-        "box",
-        "--base",
-        "-0.5",
-        "0",
-        "0",
-        "0",
-        "-o",
-        str(place),
-        "--json",
-    ]
-    assert main(argv) == 0
+    assert main(["plan", str(scene), "--target", "box", *BASE, "-o", str(place), "--json"]) == 0
     plan = plan_from_json(place.read_bytes())
     assert plan == plan_from_json(capsys.readouterr().out)
     assert plan.order == ["box"]
@@ -54,7 +42,7 @@ def test_a_plan_is_written_and_read_back(scene: Path, capsys: pytest.CaptureFixt
 
 @pytest.mark.slow
 def test_a_plan_that_is_verified_says_so(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    argv = ["plan", str(scene), "--target", "box", "--base", "-0.5", "0", "0", "0", "--verify"]
+    argv = ["plan", str(scene), "--target", "box", *BASE, "--verify"]
     assert main(argv) == 0
     out = capsys.readouterr().out
     assert "every motion certified" in out
@@ -151,7 +139,7 @@ def test_a_scene_without_a_safe_order_of_moves_keeps_no_other_from_its_answer(
 
 
 def test_the_plan_is_json_where_the_terminal_has_no_umlauts(tmp_path: Path) -> None:
-    argv = ["plan", str(two_boxes(tmp_path, "scene.npz")), "--target", "ä", "--base", "-0.5", "0", "0", "0"]
+    argv = ["plan", str(two_boxes(tmp_path, "scene.npz")), "--target", "ä", *BASE]
     done = subprocess.run(
         [sys.executable, "-m", "topple.planner.cli.main", *argv, "--json"],
         env={**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}, capture_output=True, check=True,
@@ -217,20 +205,7 @@ def test_a_drop_has_to_be_allowed_and_is_then_told(
     peg = Body.of("peg", [np.vstack([[[0.016, 0.004, 0.0]], *rings])]).surface(4000, np.random.default_rng(0))
     path = tmp_path / "scene.npz"
     np.savez(path, table=table, peg=peg - [0, 0, peg[:, 2].min()])
-    argv = [
-        "plan",
-        str(path),
-        "--target",
-        "peg",
-        "--robot",
-        "panda",
-        "--base",
-        "-0.5",
-        "0",
-        "0",
-        "0",
-        "--verify",
-    ]
+    argv = ["plan", str(path), "--target", "peg", "--robot", "panda", *BASE, "--verify"]
     assert main(argv) == 1
     assert "no drop is allowed" in capsys.readouterr().err
     assert main([*argv, "--allow-drop"]) == 0

@@ -6,19 +6,7 @@ from topple.planner.errors import NoSafePlan
 from topple.topology import InvalidInput, Scene, UnknownObject, relate
 from topple.topology.statics.support import Support
 
-NAMES = (
-    "lemon",
-    "bowl",
-    "plate",
-    "red",
-    "green",
-    "blue",
-    "salt and pepper",
-    "bin_can",
-    "can_1",
-    "can_2",
-    "table",
-)
+NAMES = (*"lemon bowl plate red green blue".split(), "salt and pepper", "bin_can", "can_1", "can_2", "table")
 
 
 @pytest.fixture

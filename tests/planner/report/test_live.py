@@ -80,15 +80,8 @@ def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
 
     aside = np.eye(4)
     aside[0, 3] = 0.3
-    step = Step(
-        "tin",
-        "remove",
-        "",
-        [],
-        GraspData("pinch", np.eye(4).tolist(), 0.1, 1.0),
-        PlacementData(aside.tolist()),
-        [],
-    )
+    grasp = GraspData("pinch", np.eye(4).tolist(), 0.1, 1.0)
+    step = Step("tin", "remove", "", [], grasp, PlacementData(aside.tolist()), [])
     plan = Plan(
         goal="", robot="panda", joints=[], seed=0, pose_base_to_world=np.eye(4).tolist(), base_searched=False,
         q_start=[], order=["tin"], dependencies=[], steps=[step, step],
@@ -136,23 +129,9 @@ def test_the_order_plays_to_its_end_and_names_are_no_markup(stack) -> None:
 
 def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path, stack) -> None:
     scene, port = stack[0], free_port()
-    np.savez(
-        tmp_path / "s.npz",
-        up=[0, 0, 1],
-        fixed=["table"],
-        **{f"o{k}": c for k, c in enumerate(scene.clouds.values()) if k},
-        table=scene.clouds["table"],
-    )
-    call = [
-        sys.executable,
-        "-m",
-        "topple.planner.cli.main",
-        "view",
-        str(tmp_path / "s.npz"),
-        "--port",
-        str(port),
-        "--json",
-    ]
+    clouds = {f"o{k}" if k else "table": cloud for k, cloud in enumerate(scene.clouds.values())}
+    np.savez(tmp_path / "s.npz", up=[0, 0, 1], fixed=["table"], **clouds)
+    call = [sys.executable, "-m", "topple", "view", str(tmp_path / "s.npz"), "--port", str(port), "--json"]
     with subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as serving:
         assert serving.stdout is not None
         document = json.loads(serving.stdout.readline())

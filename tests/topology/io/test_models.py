@@ -45,14 +45,7 @@ def test_a_name_means_the_model_called_so_but_for_numbers(
 
 def test_models_are_files_or_folders_with_a_mesh(tmp_path: Path) -> None:
     box = trimesh.creation.box((0.1, 0.1, 0.1))
-    for place in (
-        "a.stl",
-        "b/mesh.obj",
-        "b/collision.obj",
-        "c/google_16k/textured.ply",
-        "d/d.obj",
-        "d/e.obj",
-    ):
+    for place in "a.stl b/mesh.obj b/collision.obj c/google_16k/textured.ply d/d.obj d/e.obj".split():
         (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
         box.export(tmp_path / place)
     (tmp_path / "notes.txt").write_text("0 0 0\n")
