@@ -44,7 +44,7 @@ def options(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
-def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path, Path | None]) -> None:
+def test_a_plan_holds_and_finds_its_arm_again(scene, options):
     base = np.eye(4)
     base[0, 3] = -0.45
     found = plan(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
@@ -59,7 +59,7 @@ def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path,
 
 @pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
-def test_a_run_in_pybullet_succeeds(scene: Scene, options: tuple[Path, Path | None]) -> None:
+def test_a_run_in_pybullet_succeeds(scene, options):
     base = np.eye(4)
     base[0, 3] = -0.45
     record = run(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
@@ -71,7 +71,7 @@ def saved(scene: Scene, folder: Path) -> str:
     return str(folder / "scene.npz")
 
 
-def test_the_commands_take_a_urdf(scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_commands_take_a_urdf(scene, tmp_path, capsys):
     path, place = saved(scene, tmp_path), tmp_path / "plan.json"
     target = ["--target", "cube", "--robot", str(PANDA)]
     assert main(["plan", path, *target, "--base", "-0.45", "0", "0", "0", "--verify", "-o", str(place)]) == 0
@@ -81,9 +81,7 @@ def test_the_commands_take_a_urdf(scene: Scene, tmp_path: Path, capsys: pytest.C
 
 
 @pytest.mark.parametrize("command", ["order", "plan", "run"])
-def test_an_arm_without_a_tool_is_told_what_to_write(
-    scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
-) -> None:
+def test_an_arm_without_a_tool_is_told_what_to_write(scene, tmp_path, capsys, command):
     """The iiwa of pybullet_data ends in a bare flange."""
     path = saved(scene, tmp_path)
     flange = str(data_path() / "kuka_iiwa" / "model.urdf")
@@ -95,9 +93,7 @@ def test_an_arm_without_a_tool_is_told_what_to_write(
         assert 'cup = {link = "lbr_iiwa_link_7"' in lines[0] and "--gripper FILE.toml" in lines[0]
 
 
-def test_a_gripper_needs_a_robot_of_ones_own(
-    scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_gripper_needs_a_robot_of_ones_own(scene, tmp_path, capsys):
     path = saved(scene, tmp_path)
     (tmp_path / "cup.toml").write_text(CUP)
     gripper = ["--gripper", str(tmp_path / "cup.toml")]
@@ -107,6 +103,6 @@ def test_a_gripper_needs_a_robot_of_ones_own(
     assert "panda has a hand of its own" in capsys.readouterr().err
 
 
-def test_in_python_the_same_words(scene: Scene) -> None:
+def test_in_python_the_same_words(scene):
     with pytest.raises(InvalidInput, match="nothing to take hold with"):
         plan(scene, ["cube"], robot(data_path() / "kuka_iiwa" / "model.urdf"))

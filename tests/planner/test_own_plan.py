@@ -39,7 +39,7 @@ def stacked() -> Scene:
     return on_table(*((box(name, (0.05, 0.05, 0.05)), at) for name, at in places.items()), half=0.35)
 
 
-def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever() -> None:
+def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever():
     scene = stacked()
     # many that stand in the block, one beside it, and one that nobody's search would find: turned by 0.1 rad
     poses = [*(down(0.0, 0.0, 0.06) for _ in range(40)), down(0.2, -0.2, 0.1), down(0.004, 0.0, 0.086, 0.1)]
@@ -54,7 +54,7 @@ def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever
     assert found.verify(scene).ok
 
 
-def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan() -> None:
+def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan():
     scene = stacked()
     high = Grasp("aside", "pinch", down(0.0, 0.2, 0.02), 0.05, 0.06, 1.0)  # the palm meets the top
     sunk = replace(high, pose_tool_to_world=down(0.0, 0.2, -0.02))
@@ -85,7 +85,7 @@ def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan() -> None:
         ),
     ],
 )
-def test_grasps_that_do_not_fit_are_refused(given: Any, error: type[Exception], words: str) -> None:
+def test_grasps_that_do_not_fit_are_refused(given, error, words):
     for act in (plan, run):
         with pytest.raises(error, match=words):
             act(stacked(), ["aside"], "panda", base=BASE, grasps=given)
@@ -103,7 +103,7 @@ def aside_first(scene: Scene, targets: Sequence[str], **_: object) -> Order:
 
 
 @pytest.mark.slow
-def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
+def test_an_orderer_of_the_callers_own_is_asked_for_the_order():
     assert [step.object for step in plan(stacked(), ["lower"], "panda", base=BASE).steps] == [
         "upper",
         "lower",
@@ -121,7 +121,7 @@ def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
     assert asked[0] == ("lower",)
 
 
-def test_an_orderer_that_gives_no_order_is_refused() -> None:
+def test_an_orderer_that_gives_no_order_is_refused():
     def names(scene: Situation, targets: Sequence[str], **_: object) -> Any:
         return ["upper", "lower"]
 
@@ -130,7 +130,7 @@ def test_an_orderer_that_gives_no_order_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None:
+def test_relations_of_the_callers_own_are_what_the_order_is_asked_with():
     scene, seen = stacked(), list[Relations]()
     mine = relate(scene)
 
@@ -154,7 +154,7 @@ def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None
 
 
 @pytest.mark.slow
-def test_a_run_takes_the_callers_grasps_and_order() -> None:
+def test_a_run_takes_the_callers_grasps_and_order():
     scene, asked = stacked(), list[tuple[str, ...]]()
 
     def orderer(given: Situation, targets: Sequence[str], **known: Any) -> Order:

@@ -75,9 +75,7 @@ def _npz(folder: Path, **arrays: object) -> Path:
         ),
     ],
 )
-def test_bad_arrays(
-    refused: Refused, tmp_path: Path, command: str, arrays: dict[str, object], named: list[str]
-) -> None:
+def test_bad_arrays(refused, tmp_path, command, arrays, named):
     path = _npz(tmp_path, **arrays)
     line = refused(command, path)
     assert str(path) in line
@@ -85,7 +83,7 @@ def test_bad_arrays(
         assert words in line
 
 
-def test_files_that_are_not_scenes(refused: Refused, tmp_path: Path) -> None:
+def test_files_that_are_not_scenes(refused, tmp_path):
     assert "no such file" in refused("relate", tmp_path / "nothing.npz")
     assert "no clouds or meshes" in refused("relate", tmp_path)
     (tmp_path / "scene.npz").write_text("hello")
@@ -105,9 +103,7 @@ def test_files_that_are_not_scenes(refused: Refused, tmp_path: Path) -> None:
         ({"robot_base": np.diag([-1, 1, 1, 1]).tolist()}, ["robot_base", "mirrored", "turn"]),
     ],
 )
-def test_poses_of_a_folder_have_to_be_rigid(
-    refused: Refused, tmp_path: Path, described: dict[str, object], named: list[str]
-) -> None:
+def test_poses_of_a_folder_have_to_be_rigid(refused, tmp_path, described, named):
     np.savetxt(tmp_path / "cup.xyz", BOX)
     (tmp_path / "scene.json").write_text(json.dumps(described))
     line = refused("relate", tmp_path)
@@ -116,7 +112,7 @@ def test_poses_of_a_folder_have_to_be_rigid(
         assert words in line
 
 
-def test_two_things_of_one_name_are_refused(refused: Refused, tmp_path: Path) -> None:
+def test_two_things_of_one_name_are_refused(refused, tmp_path):
     for suffix in ("xyz", "ply"):
         np.savetxt(tmp_path / f"cup.{suffix}", BOX)
     line = refused("relate", tmp_path)
@@ -127,7 +123,7 @@ def test_two_things_of_one_name_are_refused(refused: Refused, tmp_path: Path) ->
     assert "'mug' occurs twice" in refused("relate", tmp_path / "scene.npz")
 
 
-def test_unknown_names_are_answered_with_the_known_ones(refused: Refused, tmp_path: Path) -> None:
+def test_unknown_names_are_answered_with_the_known_ones(refused, tmp_path):
     path = _npz(tmp_path, **FINE)
     line = refused("relate", f"{tmp_path}/./scene.npz", "--fixed", "desk")
     assert line.count("scene.npz") == 1
@@ -137,7 +133,7 @@ def test_unknown_names_are_answered_with_the_known_ones(refused: Refused, tmp_pa
     assert "'table'" in refused("order", path, "--target", "table")
 
 
-def test_order_without_up_says_how_to_give_it(refused: Refused, tmp_path: Path) -> None:
+def test_order_without_up_says_how_to_give_it(refused, tmp_path):
     path = _npz(tmp_path, mug=BOX, cup=BOX + 0.2)
     assert "--up 0 0 1" in refused("order", path)
     assert main(["order", str(path), "--up", "0", "0", "1"]) == 0
@@ -164,9 +160,7 @@ ON = _grid_box((0.06, 0.06, 0.04), (0.02, 0.02, 0.06))
         ({"low": LOW, "top": ON}, "no object is fixed"),
     ],
 )
-def test_what_cannot_be_is_ordered_under_a_stated_assumption(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], arrays: dict[str, np.ndarray], said: str
-) -> None:
+def test_what_cannot_be_is_ordered_under_a_stated_assumption(tmp_path, capsys, arrays, said):
     path = _npz(tmp_path, up=[0, 0, 1], **arrays)
     assert main(["order", str(path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -176,16 +170,14 @@ def test_what_cannot_be_is_ordered_under_a_stated_assumption(
     assert f"Assumed: {said}" in capsys.readouterr().out
 
 
-def test_a_stack_that_can_be_needs_no_assumption_about_its_bodies(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_stack_that_can_be_needs_no_assumption_about_its_bodies(tmp_path, capsys):
     path = _npz(tmp_path, up=[0, 0, 1], low=LOW, top=ON, table=TABLE)
     assert main(["order", str(path), "--json"]) == 0
     said = json.loads(capsys.readouterr().out)["assumptions"]
     assert not any("overlap" in sentence or "carries" in sentence for sentence in said)
 
 
-def test_the_length_of_up_does_not_matter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_length_of_up_does_not_matter(tmp_path, capsys):
     path = _npz(tmp_path, low=LOW, top=ON, table=TABLE)
     for length in ("1", "250", "0.004"):
         assert main(["order", str(path), "--json", "--up", "0", "0", length]) == 0
@@ -196,12 +188,12 @@ def test_the_length_of_up_does_not_matter(tmp_path: Path, capsys: pytest.Capture
 
 
 @pytest.mark.parametrize("up", [("0", "0", "0"), ("nan", "0", "1"), ("inf", "0", "0")])
-def test_up_has_to_point_somewhere(refused: Refused, tmp_path: Path, up: tuple[str, ...]) -> None:
+def test_up_has_to_point_somewhere(refused, tmp_path, up):
     assert "up is" in refused("relate", _npz(tmp_path, **FINE), "--up", *up)
 
 
 @pytest.mark.parametrize("deviation", ["0", "-0.002", "nan", "0.3", "5", "inf"])
-def test_a_deviation_is_a_length_below_the_objects(refused: Refused, tmp_path: Path, deviation: str) -> None:
+def test_a_deviation_is_a_length_below_the_objects(refused, tmp_path, deviation):
     path = _npz(tmp_path, **FINE)
     assert "deviation" in refused("relate", path, "--deviation", deviation)
     assert "deviation" in refused("relate", "--plain", path, "--deviation", deviation)
@@ -219,13 +211,13 @@ def test_a_deviation_is_a_length_below_the_objects(refused: Refused, tmp_path: P
         (["--frobnicate", "x"], "--frobnicate"),
     ],
 )
-def test_wrong_options(refused: Refused, argv: list[str], words: str) -> None:
+def test_wrong_options(refused, argv, words):
     line = refused("relate", *argv)
     assert words in line
     assert "--help" in line
 
 
-def test_wrong_commands(refused: Refused) -> None:
+def test_wrong_commands(refused):
     assert "'frobnicate'" in refused("frobnicate")
     assert "unrecognized arguments: --" in refused("--")
     assert "--json" in refused("--json")
@@ -241,9 +233,7 @@ def test_wrong_commands(refused: Refused) -> None:
         (["order", "scene.npz", "mugg"], "mug"),
     ],
 )
-def test_what_was_meant_is_asked(
-    refused: Refused, argv: list[str], meant: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_was_meant_is_asked(refused, argv, meant, tmp_path, monkeypatch):
     _npz(tmp_path, **FINE)
     monkeypatch.chdir(tmp_path)
     line = refused(*argv)
@@ -252,9 +242,7 @@ def test_what_was_meant_is_asked(
         assert "topple plan --help" in line, "where that command's options are"
 
 
-def test_an_output_that_cannot_be_written_is_refused_before_the_work(
-    refused: Refused, tmp_path: Path
-) -> None:
+def test_an_output_that_cannot_be_written_is_refused_before_the_work(refused, tmp_path):
     # The scene does not exist either: that the output comes first shows that no work was begun.
     nothing = tmp_path / "nothing.npz"
     assert "does not exist" in refused("show", nothing, "-o", tmp_path / "no" / "page.html")
@@ -267,9 +255,7 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def test_one_bad_scene_does_not_keep_the_others_from_their_answer(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_bad_scene_does_not_keep_the_others_from_their_answer(tmp_path, capsys):
     fine = str(_npz(tmp_path, **FINE))
     assert main(["relate", "--json", fine, str(tmp_path / "no.npz"), fine]) == 2
     out, err = capsys.readouterr()
@@ -277,7 +263,7 @@ def test_one_bad_scene_does_not_keep_the_others_from_their_answer(
     assert len(err.splitlines()) == 1
 
 
-def test_a_demo_that_does_not_exist_or_cannot_be_written(refused: Refused, tmp_path: Path) -> None:
+def test_a_demo_that_does_not_exist_or_cannot_be_written(refused, tmp_path):
     assert "'opera'" in refused("demo", "opera", "-o", tmp_path / "out")
     assert not (tmp_path / "out").exists()
     (tmp_path / "file").write_text("")

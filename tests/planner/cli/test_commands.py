@@ -45,7 +45,7 @@ def _json(capsys: pytest.CaptureFixture[str], *argv: object, code: int = 0) -> l
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
 
 
-def test_relate_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_relate_prints_the_contracts_keys(stack, capsys):
     (document,) = _json(capsys, "relate", stack, "--json")
     assert document["format"] == "topple.relations"
     assert document["format_version"] == 1
@@ -64,7 +64,7 @@ def test_relate_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.slow
-def test_an_order_checked_by_simulation_is_the_same_on_a_plain_stack(stack: Path) -> None:
+def test_an_order_checked_by_simulation_is_the_same_on_a_plain_stack(stack):
     options = "--fixed table --up 0 0 1 --json --verify --budget 60".split()
     done = _topple("order", stack, *options)
     found = json.loads(done.stdout)
@@ -73,12 +73,12 @@ def test_an_order_checked_by_simulation_is_the_same_on_a_plain_stack(stack: Path
     assert [(e["first"], e["then"]) for e in found["dependencies"]] == [("above", "below")]
 
 
-def test_a_budget_without_a_check_is_refused(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_budget_without_a_check_is_refused(stack, capsys):
     assert main(["order", str(stack), "--budget", "5"]) == 2
     assert "--verify" in capsys.readouterr().err
 
 
-def test_order_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_order_prints_the_contracts_keys(stack, capsys):
     (document,) = _json(capsys, "order", stack, "--json", "--target", "below")
     assert document["format"] == "topple.order"
     assert document["format_version"] == 1
@@ -91,14 +91,14 @@ def test_order_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFixt
     assert set(edges[0]) >= {"first", "then", "reason", "confidence"}
 
 
-def test_several_scenes_are_json_lines(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_scenes_are_json_lines(stack, capsys):
     for command in ("relate", "order"):
         documents = _json(capsys, command, stack, stack.parent / "stack.npz", "--json")
         assert [document["scene"] for document in documents] == [str(stack)] * 2
 
 
 @pytest.mark.slow
-def test_many_scenes_go_to_several_processes(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_many_scenes_go_to_several_processes(stack, capsys):
     broken = stack.with_name("broken.npz")
     broken.write_bytes(b"no archive")
     scenes = [stack, broken, *[stack] * 5]
@@ -110,14 +110,12 @@ def test_many_scenes_go_to_several_processes(stack: Path, capsys: pytest.Capture
     assert str(broken) in printed.err
 
 
-def test_the_same_seed_prints_the_same(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_same_seed_prints_the_same(stack, capsys):
     first = _json(capsys, "order", stack, "--json", "--seed", "3")
     assert _json(capsys, "order", stack, "--json", "--seed", "3") == first
 
 
-def test_a_scene_after_a_list_of_names_is_still_the_scene(
-    stack: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_scene_after_a_list_of_names_is_still_the_scene(stack, capsys, monkeypatch):
     (plain,) = _json(capsys, "order", stack, "--fixed", "table", "beside", "--target", "below", "--json")
     for argv in (
         ["order", "--fixed", "table", "beside", "--target", "below", stack, "--json"],
@@ -134,11 +132,11 @@ def test_a_scene_after_a_list_of_names_is_still_the_scene(
     assert order["order"] == ["above"]
 
 
-def test_negative_numbers_with_exponents_are_numbers(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_negative_numbers_with_exponents_are_numbers(stack, capsys):
     assert len(_json(capsys, "relate", stack, "--json", "--up", "-1e-3", "-0.5", "1")) == 1
 
 
-def test_order_says_every_step_with_its_reason(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_order_says_every_step_with_its_reason(stack, capsys):
     assert main(["order", str(stack)]) == 0
     brief = capsys.readouterr().out
     assert "Weakest contacts: " in brief and "What carries what" not in brief
@@ -153,7 +151,7 @@ def test_order_says_every_step_with_its_reason(stack: Path, capsys: pytest.Captu
     assert "Assumed: 'table' is taken as fixed because of its name." in out
 
 
-def test_names_are_printed_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_names_are_printed_as_they_are(tmp_path, capsys):
     box = _surface((0, 0, 0), (0.1, 0.1, 0.1))
     np.savez(tmp_path / "scene.npz", **{"[red]mug": box, "Löffel": box + np.array([0.1, 0, 0])})
     assert main(["relate", str(tmp_path / "scene.npz")]) == 0
@@ -163,7 +161,7 @@ def test_names_are_printed_as_they_are(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.slow
-def test_names_the_terminal_cannot_show_are_no_reason_to_stop(tmp_path: Path) -> None:
+def test_names_the_terminal_cannot_show_are_no_reason_to_stop(tmp_path):
     box = _surface((0, 0, 0), (0.1, 0.1, 0.1))
     np.savez(tmp_path / "scene.npz", **{"Löffel": box, "mug": box + np.array([0.1, 0, 0])})
     plain = {**os.environ, "PYTHONIOENCODING": "ascii"}
@@ -172,7 +170,7 @@ def test_names_the_terminal_cannot_show_are_no_reason_to_stop(tmp_path: Path) ->
     assert "L\\xf6ffel" in _topple("relate", tmp_path / "scene.npz", env=plain).stdout
 
 
-def test_show_writes_a_page_or_a_picture(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_show_writes_a_page_or_a_picture(stack, capsys):
     page, picture = stack.parent / "page.html", stack.parent / "picture.png"
     assert main(["show", str(stack), "-o", str(page)]) == 0
     assert page.read_text(encoding="utf-8").lstrip().lower().startswith("<!doctype html>")
@@ -183,7 +181,7 @@ def test_show_writes_a_page_or_a_picture(stack: Path, capsys: pytest.CaptureFixt
     assert not list(stack.parent.glob(".*"))
 
 
-def test_show_without_up_draws_the_relations(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_show_without_up_draws_the_relations(tmp_path, capsys):
     np.savez(
         tmp_path / "scene.npz",
         a=_surface((0, 0, 0), (0.1, 0.1, 0.1)),
@@ -196,9 +194,7 @@ def test_show_without_up_draws_the_relations(tmp_path: Path, capsys: pytest.Capt
 @pytest.mark.slow
 @real
 @pytest.mark.parametrize("path", FRAMES, ids=lambda path: path.stem)
-def test_on_real_frames_nothing_goes_before_what_stands_on_it(
-    path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_on_real_frames_nothing_goes_before_what_stands_on_it(path, capsys):
     known = path.stem.startswith("osd")  # of the other frame the table is found: it has no label
     options = ["--fixed", "1", "--json"] if known else ["--json"]
     (relations,) = _json(capsys, "relate", *options, path)
@@ -219,7 +215,7 @@ def _topple(*argv: object, **options: object) -> subprocess.CompletedProcess[str
     return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False, **options)  # type: ignore[call-overload]
 
 
-def test_help_and_version_answer_without_the_heavy_imports() -> None:
+def test_help_and_version_answer_without_the_heavy_imports():
     code = (
         "import sys; from topple.planner.cli.main import main; assert main(['--help']) == 0; "
         "heavy = {'numpy', 'scipy', 'networkx', 'pybullet', 'rich', 'trimesh', 'ompl', 'fcl'}; "
@@ -234,7 +230,7 @@ def test_help_and_version_answer_without_the_heavy_imports() -> None:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_takes_the_common_options(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_command_takes_the_common_options(command, capsys):
     assert main([command, "--help"]) == 0
     out = capsys.readouterr().out
     for option in ("--json", "--seed", "--fixed", "--up", "--version"):
@@ -242,9 +238,7 @@ def test_every_command_takes_the_common_options(command: str, capsys: pytest.Cap
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_of_a_command_ends_with_two_calls_that_it_takes(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_help_of_a_command_ends_with_two_calls_that_it_takes(command, capsys):
     assert main(["help", command]) == 0
     out = capsys.readouterr().out
     calls = [line.split("topple ", 1)[1] for line in out.splitlines() if line.startswith("  topple ")]
@@ -256,21 +250,21 @@ def test_help_of_a_command_ends_with_two_calls_that_it_takes(
     assert "(0)" not in out, "defaults are said to be some"
 
 
-def test_a_bare_name_after_a_scene_is_a_target(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_bare_name_after_a_scene_is_a_target(stack, capsys):
     assert main(["order", str(stack), "--target", "below", "--json"]) == 0
     asked = capsys.readouterr().out
     assert main(["order", str(stack), "below", "--json"]) == 0
     assert capsys.readouterr().out == asked
 
 
-def test_the_scenes_of_the_demo_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_scenes_of_the_demo_are_listed(capsys):
     assert main(["demo", "--list"]) == 0
     out = capsys.readouterr().out
     assert all(name in out for name in SCENARIOS)
     assert "free the plate" in out
 
 
-def test_without_a_command_it_says_where_to_begin() -> None:
+def test_without_a_command_it_says_where_to_begin():
     done = _topple()
     assert done.returncode == 0
     assert "topple demo" in done.stdout
@@ -278,12 +272,12 @@ def test_without_a_command_it_says_where_to_begin() -> None:
 
 
 @pytest.mark.slow
-def test_the_process_leaves_with_the_exit_code(stack: Path) -> None:
+def test_the_process_leaves_with_the_exit_code(stack):
     assert _topple("relate", stack).returncode == 0
     assert _topple("relate", stack.parent / "no.npz").returncode == 2
 
 
-def test_a_reader_that_has_seen_enough_is_no_error(stack: Path) -> None:
+def test_a_reader_that_has_seen_enough_is_no_error(stack):
     reading, writing = os.pipe()
     os.close(reading)
     done = subprocess.run(
@@ -300,9 +294,7 @@ def test_a_reader_that_has_seen_enough_is_no_error(stack: Path) -> None:
     assert done.returncode == 0
 
 
-def test_interrupting_is_code_130(
-    stack: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_interrupting_is_code_130(stack, capsys, monkeypatch):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
@@ -311,9 +303,7 @@ def test_interrupting_is_code_130(
     assert capsys.readouterr().err.endswith("topple: interrupted\n")
 
 
-def test_of_many_objects_only_pairs_that_are_not_far_are_listed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_of_many_objects_only_pairs_that_are_not_far_are_listed(tmp_path, capsys):
     places = [(k % 15, k // 15) for k in range(201)]
     clouds = {
         f"box {k}": _surface((0.2 * x, 0.2 * y, 0), (0.2 * x + 0.05, 0.2 * y + 0.05, 0.05), 60)

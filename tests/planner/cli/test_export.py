@@ -43,18 +43,18 @@ def _exported(capsys: pytest.CaptureFixture[str], plan_file: Path, to: str, *mor
     return capsys.readouterr().out
 
 
-def test_dot_has_the_edge(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_dot_has_the_edge(plan_file, capsys):
     text = _exported(capsys, plan_file, "dot")
     assert text.startswith("digraph plan {")
     assert '"1 on top" -> "2 under it"' in text
 
 
-def test_graphml_is_read_by_networkx(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_graphml_is_read_by_networkx(plan_file, capsys):
     graph = nx.parse_graphml(_exported(capsys, plan_file, "graphml"))
     assert list(graph.edges) == [("1 on top", "2 under it")]
 
 
-def test_the_tree_has_a_branch_for_each_step(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_tree_has_a_branch_for_each_step(plan_file, capsys):
     root = ElementTree.fromstring(_exported(capsys, plan_file, "bt").encode())
     assert root.get("BTCPP_format") == "4"
     branches = root.findall("./BehaviorTree/Sequence/Sequence")
@@ -63,15 +63,13 @@ def test_the_tree_has_a_branch_for_each_step(plan_file: Path, capsys: pytest.Cap
     assert {node.get("ID") for node in root.iter("Action")} == modelled
 
 
-def test_the_moveit_scene_has_every_object(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_moveit_scene_has_every_object(plan_file, capsys):
     lines = _exported(capsys, plan_file, "moveit").splitlines()
     assert [line[2:] for line in lines if line.startswith("* ")] == ["table", "under it", "on top"]
     assert lines[-1] == "."
 
 
-def test_a_recording_of_ros_2_does_what_the_plan_does(
-    plan_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_recording_of_ros_2_does_what_the_plan_does(plan_file, tmp_path, capsys):
     assert main(["export", str(plan_file), "--to", "ros2"]) == 2  # no text
     assert "ros2 is no text: say with -o FILE where it is written" in capsys.readouterr().err
     _exported(capsys, plan_file, "ros2", "-o", tmp_path / "plan.mcap")
@@ -110,7 +108,7 @@ def test_a_recording_of_ros_2_does_what_the_plan_does(
     assert placed.transform.translation.x == pytest.approx(-0.5)
 
 
-def test_pddl_goes_to_one_file_or_two(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_pddl_goes_to_one_file_or_two(plan_file, capsys):
     both = _exported(capsys, plan_file, "pddl")
     assert both.count("(define") == 2
     assert both.count("(") == both.count(")")
@@ -121,22 +119,20 @@ def test_pddl_goes_to_one_file_or_two(plan_file: Path, capsys: pytest.CaptureFix
     assert f"{domain}\n;; problem\n{problem}".strip() == both.strip()
 
 
-def test_a_file_is_written_and_said(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_is_written_and_said(plan_file, capsys):
     place = plan_file.parent / "tree.xml"
     assert str(place) in _exported(capsys, plan_file, "bt", "-o", place)
     assert place.read_text() == _exported(capsys, plan_file, "bt")
 
 
-def test_json_holds_the_text(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_holds_the_text(plan_file, capsys):
     document = json.loads(_exported(capsys, plan_file, "dot", "--json"))
     assert document["format"] == "topple.export"
     assert document["to"] == "dot"
     assert document["text"] == _exported(capsys, plan_file, "dot")
 
 
-def test_a_plan_may_come_through_a_pipe(
-    plan_file: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plan_may_come_through_a_pipe(plan_file, capsys, monkeypatch):
     expected = _exported(capsys, plan_file, "dot")
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(plan_file.read_bytes())))
     assert main(["export", "-", "--to", "dot"]) == 0
@@ -155,14 +151,7 @@ def test_a_plan_may_come_through_a_pipe(
         (("pose_base_to_world",), [[1.0]], "$.pose_base_to_world"),
     ],
 )
-def test_a_bad_field_is_named(
-    plan_file: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    where: tuple[str | int, ...],
-    value: object,
-    words: str,
-) -> None:
+def test_a_bad_field_is_named(plan_file, tmp_path, capsys, where, value, words):
     document = json.loads(plan_file.read_bytes())
     inner = document
     for key in where[:-1]:
@@ -182,9 +171,7 @@ def test_a_bad_field_is_named(
     ("content", "words"),
     [(b"", "not JSON"), (b"\xff\xfe{", "not JSON"), (b"[1, 2]", "no plan"), (b"{}", "goal")],
 )
-def test_what_is_no_plan_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes, words: str
-) -> None:
+def test_what_is_no_plan_is_refused(tmp_path, capsys, content, words):
     (tmp_path / "plan.json").write_bytes(content)
     assert main(["export", str(tmp_path / "plan.json"), "--to", "dot"]) == 2
     assert words in capsys.readouterr().err
@@ -199,13 +186,11 @@ def test_what_is_no_plan_is_refused(
         ([], "--to"),
     ],
 )
-def test_wrong_use_is_code_2(
-    plan_file: Path, capsys: pytest.CaptureFixture[str], more: list[str], words: str
-) -> None:
+def test_wrong_use_is_code_2(plan_file, capsys, more, words):
     assert main(["export", str(plan_file), *more]) == 2
     assert words in capsys.readouterr().err
 
 
-def test_a_missing_plan_is_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_plan_is_code_2(tmp_path, capsys):
     assert main(["export", str(tmp_path / "none.json"), "--to", "dot"]) == 2
     assert "none.json" in capsys.readouterr().err

@@ -21,7 +21,7 @@ def scene(path: Path, gap: float) -> str:
 
 
 @pytest.mark.slow
-def test_two_processes_print_what_one_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_processes_print_what_one_does(tmp_path, capsys):
     paths = [scene(tmp_path / f"{k}.npz", 0.01 * k) for k in range(3)]
     assert main(["relate", *paths, "--json"]) == 0
     alone = capsys.readouterr().out
@@ -30,15 +30,13 @@ def test_two_processes_print_what_one_does(tmp_path: Path, capsys: pytest.Captur
     assert len(alone.splitlines()) == 3
 
 
-def test_no_number_of_processes_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_number_of_processes_is_refused(tmp_path, capsys):
     assert main(["relate", scene(tmp_path / "0.npz", 0.0), "--jobs", "0"]) == 2
     assert "a whole number from 1 on" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["relate", "order"])
-def test_what_was_kept_is_not_answered_again(
-    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_was_kept_is_not_answered_again(command, tmp_path, capsys):
     paths = [scene(tmp_path / f"{k}.npz", 0.01 * k) for k in range(3)]
     whole, out = tmp_path / "whole.jsonl", tmp_path / "out.jsonl"
     assert main([command, *paths, "-o", str(whole)]) == 0
@@ -53,7 +51,7 @@ def test_what_was_kept_is_not_answered_again(
     assert out.read_text() == lines[0] + lines[1][:40] + "\n" + "".join(lines[1:])
 
 
-def test_answers_to_another_question_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_answers_to_another_question_are_refused(tmp_path, capsys):
     path, out = scene(tmp_path / "0.npz", 0.0), tmp_path / "out.jsonl"
     assert main(["order", path, "-o", str(out)]) == 0
     assert main(["order", path, "-o", str(out), "--target", "one"]) == 2

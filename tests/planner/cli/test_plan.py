@@ -30,7 +30,7 @@ def scene(tmp_path: Path) -> Path:
     return tmp_path / "scene.npz"
 
 
-def test_a_plan_is_written_and_read_back(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plan_is_written_and_read_back(scene, capsys):
     place = scene.parent / "plan.json"
     assert main(["plan", str(scene), "--target", "box", *BASE, "-o", str(place), "--json"]) == 0
     plan = plan_from_json(place.read_bytes())
@@ -41,7 +41,7 @@ def test_a_plan_is_written_and_read_back(scene: Path, capsys: pytest.CaptureFixt
 
 
 @pytest.mark.slow
-def test_a_plan_that_is_verified_says_so(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plan_that_is_verified_says_so(scene, capsys):
     argv = ["plan", str(scene), "--target", "box", *BASE, "--verify"]
     assert main(argv) == 0
     out = capsys.readouterr().out
@@ -57,9 +57,7 @@ def test_a_plan_that_is_verified_says_so(scene: Path, capsys: pytest.CaptureFixt
     assert plan_from_json(json.dumps(document)).order == ["box"]
 
 
-def test_a_start_in_collision_is_refused_with_what_it_meets(
-    scene: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_start_in_collision_is_refused_with_what_it_meets(scene, capsys):
     assert main(["plan", str(scene), "--target", "box", "--base", "-0.5", "0", "-0.4", "0"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -67,7 +65,7 @@ def test_a_start_in_collision_is_refused_with_what_it_meets(
     assert "table" in err
 
 
-def test_out_of_reach_is_code_1_with_the_reason(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_out_of_reach_is_code_1_with_the_reason(scene, capsys):
     place = scene.parent / "plan.json"
     assert main(["plan", str(scene), "--target", "box", "--base", "3", "0", "0", "0", "-o", str(place)]) == 1
     out, err = capsys.readouterr()
@@ -76,9 +74,7 @@ def test_out_of_reach_is_code_1_with_the_reason(scene: Path, capsys: pytest.Capt
     assert not place.exists()
 
 
-def test_a_plan_that_takes_longer_than_its_budget_is_none(
-    scene: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_plan_that_takes_longer_than_its_budget_is_none(scene, capsys):
     place = scene.parent / "plan.json"
     asked = ["plan", str(scene), "--target", "box", "--budget", "0.05", "--json", "-o", str(place)]
     assert main(asked) == 1
@@ -90,9 +86,7 @@ def test_a_plan_that_takes_longer_than_its_budget_is_none(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["plan", "run"])
-def test_without_a_safe_plan_the_certificate_is_json(
-    scene: Path, capsys: pytest.CaptureFixture[str], command: str
-) -> None:
+def test_without_a_safe_plan_the_certificate_is_json(scene, capsys, command):
     base = ["3", "0", "0", "0"] if command == "plan" else ["-1.5", "0", "0", "0"]  # both out of reach
     assert main([command, str(scene), "--target", "box", "--json", "--base", *base]) == 1
     out, err = capsys.readouterr()
@@ -117,9 +111,7 @@ def two_boxes(folder: Path, name: str) -> Path:
 
 
 @pytest.mark.parametrize("command", ["plan", "run"])
-def test_words_that_nothing_can_fulfil_are_a_certificate_in_json_too(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
-) -> None:
+def test_words_that_nothing_can_fulfil_are_a_certificate_in_json_too(tmp_path, capsys, command):
     words = "a on ä and ä on a"
     assert main([command, str(two_boxes(tmp_path, "scene.npz")), "--to", words, "--json"]) == 1
     out, err = capsys.readouterr()
@@ -128,9 +120,7 @@ def test_words_that_nothing_can_fulfil_are_a_certificate_in_json_too(
     assert "below" in err and len(err.splitlines()) <= 2
 
 
-def test_a_scene_without_a_safe_order_of_moves_keeps_no_other_from_its_answer(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_scene_without_a_safe_order_of_moves_keeps_no_other_from_its_answer(tmp_path, capsys):
     scenes = [str(two_boxes(tmp_path, name)) for name in ("first.npz", "second.npz")]
     assert main(["order", *scenes, "--to", "a on ä and ä on a", "--json"]) == 1
     out, err = capsys.readouterr()
@@ -138,7 +128,7 @@ def test_a_scene_without_a_safe_order_of_moves_keeps_no_other_from_its_answer(
     assert all(any(line.startswith(f"topple: {scene}: ") for line in err.splitlines()) for scene in scenes)
 
 
-def test_the_plan_is_json_where_the_terminal_has_no_umlauts(tmp_path: Path) -> None:
+def test_the_plan_is_json_where_the_terminal_has_no_umlauts(tmp_path):
     argv = ["plan", str(two_boxes(tmp_path, "scene.npz")), "--target", "ä", *BASE]
     done = subprocess.run(
         [sys.executable, "-m", "topple.planner.cli.main", *argv, "--json"],
@@ -161,9 +151,7 @@ def test_the_plan_is_json_where_the_terminal_has_no_umlauts(tmp_path: Path) -> N
         (["--target", "box", "-o", "no/such/folder/plan.json"], "does not exist"),
     ],
 )
-def test_wrong_use_is_refused_in_one_line(
-    scene: Path, capsys: pytest.CaptureFixture[str], argv: list[str], words: str
-) -> None:
+def test_wrong_use_is_refused_in_one_line(scene, capsys, argv, words):
     assert main(["plan", str(scene), *argv]) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -172,7 +160,7 @@ def test_wrong_use_is_refused_in_one_line(
 
 
 @pytest.mark.parametrize("up", [(0, 0, 1), (0, 0, -1), (0, -1, 0), (0.3, -0.8, -0.5)])
-def test_the_base_stands_upright_whatever_up_is(up: tuple[float, ...]) -> None:
+def test_the_base_stands_upright_whatever_up_is(up):
     from argparse import Namespace
 
     scene = Scene({"box": np.zeros((2, 3))}, up=up)
@@ -185,7 +173,7 @@ def test_the_base_stands_upright_whatever_up_is(up: tuple[float, ...]) -> None:
     assert np.allclose(pose[:3, 3], [1, 2, 3])
 
 
-def test_yaw_turns_about_up() -> None:
+def test_yaw_turns_about_up():
     from argparse import Namespace
 
     pose = base_of(Namespace(base=[0.0, 0.0, 0.0, np.pi / 2]), Scene({"box": np.zeros((2, 3))}, up=(0, 0, 1)))
@@ -194,9 +182,7 @@ def test_yaw_turns_about_up() -> None:
 
 
 @pytest.mark.slow
-def test_a_drop_has_to_be_allowed_and_is_then_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_drop_has_to_be_allowed_and_is_then_told(tmp_path, capsys):
     x, y = np.meshgrid(np.arange(-0.45, 0.45, 0.008), np.arange(-0.45, 0.45, 0.008))
     table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     angles = np.arange(6) * np.pi / 3

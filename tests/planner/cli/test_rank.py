@@ -49,9 +49,7 @@ def grasps(tmp_path: Path) -> Path:
     return tmp_path / "predictions.npz"
 
 
-def test_the_document_ranks_what_may_go_first_and_says_why_not(
-    scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_document_ranks_what_may_go_first_and_says_why_not(scene, grasps, capsys):
     assert main(["rank", str(scene), str(grasps), "--robot", "panda", *BASE, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert (document["format"], document["format_version"], document["robot"]) == ("topple.rank", 1, "panda")
@@ -72,9 +70,7 @@ def test_the_document_ranks_what_may_go_first_and_says_why_not(
     assert np.allclose(np.array(entries[0]["pose_tool_to_world"])[:3, 3], [0.0, 0.0, 0.088])
 
 
-def test_the_table_says_it_of_each_grasp(
-    scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_table_says_it_of_each_grasp(scene, grasps, capsys):
     assert main(["rank", str(scene), str(grasps)]) == 0
     printed = capsys.readouterr().out
     assert "1 of 3 grasps can be done now" in printed
@@ -85,7 +81,7 @@ def test_the_table_says_it_of_each_grasp(
     assert "0 of 1 grasps can be done now" in printed
 
 
-def test_grasps_out_of_reach_say_so(scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_grasps_out_of_reach_say_so(scene, grasps, capsys):
     assert main(["rank", str(scene), str(grasps), "--base", "-3", "0", "0", "0", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["grasps"][0]["why"] == "out of reach"
 
@@ -102,9 +98,7 @@ def test_grasps_out_of_reach_say_so(scene: Path, grasps: Path, capsys: pytest.Ca
         (("FAR",), "no grasp is near anything"),
     ],
 )
-def test_wrong_use_is_one_line(
-    scene: Path, grasps: Path, argv: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_use_is_one_line(scene, grasps, argv, words, capsys):
     far = np.eye(4)
     far[0, 3] = 9.0
     np.save(scene.with_name("far.npy"), far[None])
@@ -116,9 +110,7 @@ def test_wrong_use_is_one_line(
     assert printed.err.count("\n") == 1
 
 
-def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_other(
-    scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_other(scene, grasps, capsys):
     again = scene.with_name("again.npz")
     again.write_bytes(scene.read_bytes())
     assert main(["rank", str(scene), str(grasps), str(again), str(grasps), "--json"]) == 0
@@ -132,9 +124,7 @@ def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_
 
 
 @pytest.mark.parametrize("kind", ["npz", "npy"])
-def test_grasps_are_piped_in(
-    scene: Path, grasps: Path, kind: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_grasps_are_piped_in(scene, grasps, kind, capsys):
     if kind == "npy":
         grasps = scene.with_name("poses.npy")
         np.save(grasps, np.array([np.diag([1.0, -1.0, -1.0, 1.0]) + np.eye(4, k=3) * 0.0]))

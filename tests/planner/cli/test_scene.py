@@ -30,9 +30,7 @@ def views(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return paths
 
 
-def test_views_become_a_scene_that_is_ordered(
-    views: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_views_become_a_scene_that_is_ordered(views, tmp_path, capsys):
     place = tmp_path / "scene.npz"
     assert main(["scene", *map(str, views), "-o", str(place), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -49,9 +47,7 @@ def test_views_become_a_scene_that_is_ordered(
     assert "bowl_0" in capsys.readouterr().out
 
 
-def test_the_table_says_how_far_each_step_can_be_trusted(
-    views: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_table_says_how_far_each_step_can_be_trusted(views, tmp_path, capsys):
     bare = []
     for path in views[:2]:
         with np.load(path) as view:
@@ -63,9 +59,7 @@ def test_the_table_says_how_far_each_step_can_be_trusted(
         assert word in printed
 
 
-def test_what_is_no_view_is_one_line(
-    views: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_no_view_is_one_line(views, tmp_path, capsys):
     np.savez(tmp_path / "clouds.npz", cup=np.random.default_rng(0).random((50, 3)))
     for argv, words in (
         ((views[0],), "expected two views or more"),

@@ -49,9 +49,7 @@ def said_of_matter(capsys: pytest.CaptureFixture[str], command: Sequence[str]) -
 
 
 @pytest.mark.parametrize("command", ["relate", "order"])
-def test_its_points_are_nobodys_and_those_of_a_post_are_matter(
-    command: str, frame: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_its_points_are_nobodys_and_those_of_a_post_are_matter(command, frame, capsys):
     (without,) = said_of_matter(capsys, [command, frame])
     (given,) = said_of_matter(capsys, [command, frame, *JOINTS, *BASE])
     assert int(without.split(": ")[1].split()[0]) > 1500
@@ -59,7 +57,7 @@ def test_its_points_are_nobodys_and_those_of_a_post_are_matter(
     assert re.search(r"between \(-0\.1[23], 0\.4[23]", given)
 
 
-def test_in_python_its_bodies_are_given(frame: str) -> None:
+def test_in_python_its_bodies_are_given(frame):
     panda = robot("panda")
     scene = load_scene(frame, robot=panda.bodies(panda.home, pose_at(-0.5, 0.0, 0.0)))
     assert set(scene.names) == {"table", "box"}
@@ -68,7 +66,7 @@ def test_in_python_its_bodies_are_given(frame: str) -> None:
 
 
 @pytest.mark.slow
-def test_an_arm_that_stands_there_plans(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_arm_that_stands_there_plans(frame, capsys):
     assert said_of_matter(capsys, ["plan", frame, "--target", "box", *JOINTS, *BASE, "--verify"])
 
 
@@ -80,13 +78,11 @@ def test_an_arm_that_stands_there_plans(frame: str, capsys: pytest.CaptureFixtur
         ((*JOINTS[:-1], "nan", *BASE), r"expected 7 finite joint values"),
     ],
 )
-def test_what_is_missing_is_said(
-    options: Sequence[str], words: str, frame: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_missing_is_said(options, words, frame, capsys):
     assert main(["order", frame, *options]) == 2
     assert words in capsys.readouterr().err
 
 
-def test_joints_are_those_of_a_robot(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_joints_are_those_of_a_robot(frame, capsys):
     assert main(["relate", frame, "--joints", "0"]) == 2
     assert "--joints are those of --robot" in capsys.readouterr().err

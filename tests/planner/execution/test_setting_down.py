@@ -62,7 +62,7 @@ def _carried(thing: str) -> tuple[Arm, Body, Transfer]:
 
 @pytest.mark.parametrize("thing", list(THINGS))
 @pytest.mark.parametrize("lower", [pytest.param(0.0, marks=pytest.mark.slow), 0.006])
-def test_what_is_set_down_is_not_pressed_on(thing: str, lower: float) -> None:
+def test_what_is_set_down_is_not_pressed_on(thing, lower):
     """Also where the table is nearer than it looked: the plan would press by that much."""
     arm, body, found = _carried(thing)
     with World() as world:

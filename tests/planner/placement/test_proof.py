@@ -71,7 +71,7 @@ def known(bodies: Solids, whole: Solids | None = None) -> Situation:
     )
 
 
-def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not() -> None:
+def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not():
     cube, pole = box("cube", (0.05, 0.05, 0.05)), peg()
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
     for body, stays in ((cube, True), (pole, False)):
@@ -82,7 +82,7 @@ def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not() -> None:
         assert (proof.settled(place).turn > 1.0) is not stays
 
 
-def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it() -> None:
+def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it():
     seen, whole = on_table(peg()), on_table(box("box", (0.04, 0.04, 0.16)))
     bodies = {"thing": seen, "table": [SLAB]}
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
@@ -91,14 +91,14 @@ def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it() ->
     assert not proof.holds(replace(place, into="table", rest="on table"))
 
 
-def test_what_stays_nowhere_is_no_plan_and_the_reason_says_so() -> None:
+def test_what_stays_nowhere_is_no_plan_and_the_reason_says_so():
     best = grasp_candidates("peg", with_peg(), robot("panda"))[:1]
     with pytest.raises(NoSafePlan, match="would not stay as it is let go there, and no drop is allowed"):
         plan(with_peg(), ["peg"], "panda", base=BASE, grasps=best)
 
 
 @pytest.mark.slow
-def test_an_allowed_drop_is_said_by_its_step_and_told_by_the_check(dropped: Plan) -> None:
+def test_an_allowed_drop_is_said_by_its_step_and_told_by_the_check(dropped):
     (step,) = dropped.steps
     assert step.placement.falls and "let go to fall" in step.reason
     checked = plan_from_json(plan_to_json(dropped)).verify(with_peg())
@@ -107,7 +107,7 @@ def test_an_allowed_drop_is_said_by_its_step_and_told_by_the_check(dropped: Plan
     assert checked.to_json()["allowed"] == list(checked.allowed)
 
 
-def test_the_same_drop_is_refuted_where_its_step_does_not_say_so(dropped: Plan) -> None:
+def test_the_same_drop_is_refuted_where_its_step_does_not_say_so(dropped):
     (step,) = dropped.steps
     silent = msgspec.structs.replace(step.placement, falls=False)
     claimed = msgspec.structs.replace(dropped, steps=[msgspec.structs.replace(step, placement=silent)])
@@ -116,7 +116,7 @@ def test_the_same_drop_is_refuted_where_its_step_does_not_say_so(dropped: Plan) 
     assert checked["turn after letting go"] > 0.5
 
 
-def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands() -> None:
+def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands():
     carton = on_table(box("carton", (0.08, 0.05, 0.2)))
     corners = np.vstack(carton)
     tip = corners[:, 2] < 0.01
@@ -134,7 +134,7 @@ def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands() -> None:
         assert proof.holds(place) is stays
 
 
-def test_round_and_leaning_bodies_and_what_never_moves_get_no_foot() -> None:
+def test_round_and_leaning_bodies_and_what_never_moves_get_no_foot():
     slope = np.array([[np.cos(0.3), 0.0, np.sin(0.3)], [0.0, 1.0, 0.0], [-np.sin(0.3), 0.0, np.cos(0.3)]])
     bodies = {
         "orange": on_table(orange("orange")),

@@ -1,7 +1,6 @@
 """Relations as a goal: things come to have them, and what cannot be is named."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ def document(*pairs: tuple[str, str, str]) -> dict[str, Any]:
     return {"relations": [{"a": a, "relation": relation, "b": b} for a, relation, b in pairs]}
 
 
-def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back() -> None:
+def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back():
     told, now = relate(STACKED).to_json(), Situation(APART)
     found = rearrange(APART, json.loads(json.dumps(told)))
     assert [move.object for move in found.moves] == ["b"]
@@ -38,7 +37,7 @@ def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back() -> None:
 
 
 @pytest.mark.slow
-def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair() -> None:
+def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair():
     scene = on_table((bowl("bowl"), (0.0, 0.0, 0.0)), (lemon("lemon"), (0.2, 0.1, 0.0)))
     for pair in (("lemon", "within", "bowl"), ("bowl", "contain", "lemon")):
         told = document(pair, ("bowl", "touch", "table"))
@@ -66,22 +65,18 @@ def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair() -> No
         ),
     ],
 )
-def test_relations_that_nothing_can_have_are_refused(
-    told: dict[str, Any], error: type[Exception], words: str
-) -> None:
+def test_relations_that_nothing_can_have_are_refused(told, error, words):
     with pytest.raises(error, match=words):
         rearrange(APART, told)
 
 
-def test_words_are_a_goal_in_python_too() -> None:
+def test_words_are_a_goal_in_python_too():
     assert [move.object for move in rearrange(APART, "b on a").moves] == ["b"]
     with pytest.raises(InvalidInput, match="empty"):
         rearrange(APART, " ")
 
 
-def test_the_command_takes_a_document_and_names_what_is_none(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_takes_a_document_and_names_what_is_none(tmp_path, capsys):
     start = tmp_path / "start.npz"
     np.savez(start, **APART.clouds, up=[0, 0, 1], fixed=["table"])
     goal = tmp_path / "goal.json"

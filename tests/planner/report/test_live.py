@@ -7,7 +7,6 @@ import subprocess
 import sys
 import urllib.request
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,7 +30,7 @@ def fetched(url: str) -> str:
         return answer.read().decode("utf-8", "replace")
 
 
-def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
+def test_it_serves_answers_its_sliders_and_closes(stack):
     scene, relations, _ = stack
     page = LivePage(scene, port=free_port())
     try:
@@ -55,7 +54,7 @@ def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
         fetched(url)
 
 
-def test_the_rule_and_the_orderer_that_are_named_are_used(stack) -> None:
+def test_the_rule_and_the_orderer_that_are_named_are_used(stack):
     from topple.planner.decide.arrange import arrange
     from topple.planner.decide.dependency import DependencyGraph
 
@@ -74,7 +73,7 @@ def test_the_rule_and_the_orderer_that_are_named_are_used(stack) -> None:
         page.close()
 
 
-def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
+def test_steps_of_a_plan_put_things_where_they_go(stack):
     from topple.planner.formats.plan_structs import GraspData, PlacementData, Step
     from topple.planner.planning.plan_format import Plan
 
@@ -95,7 +94,7 @@ def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
         page.close()
 
 
-def test_an_arm_stands_as_the_plan_begins_and_plays_it(lone_plan) -> None:
+def test_an_arm_stands_as_the_plan_begins_and_plays_it(lone_plan):
     plan, scene = lone_plan
     page = LivePage(scene, plan, port=free_port())
     try:
@@ -116,7 +115,7 @@ def test_an_arm_stands_as_the_plan_begins_and_plays_it(lone_plan) -> None:
         page.close()
 
 
-def test_the_order_plays_to_its_end_and_names_are_no_markup(stack) -> None:
+def test_the_order_plays_to_its_end_and_names_are_no_markup(stack):
     page = LivePage(stack[0], port=free_port())
     try:
         page._steps.value = len(page.moves) - 1
@@ -127,7 +126,7 @@ def test_the_order_plays_to_its_end_and_names_are_no_markup(stack) -> None:
         page.close()
 
 
-def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path, stack) -> None:
+def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path, stack):
     scene, port = stack[0], free_port()
     clouds = {f"o{k}" if k else "table": cloud for k, cloud in enumerate(scene.clouds.values())}
     np.savez(tmp_path / "s.npz", up=[0, 0, 1], fixed=["table"], **clouds)
@@ -140,7 +139,7 @@ def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path,
         assert serving.wait(20) == 0
 
 
-def test_without_viser_its_extra_is_named() -> None:
+def test_without_viser_its_extra_is_named():
     code = "import sys; sys.modules['viser'] = None\nfrom topple.planner.report.live import _viser\n_viser()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert "needs viser: pip install 'viser>=1.0'" in done.stderr.splitlines()[-1]

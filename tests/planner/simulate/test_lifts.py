@@ -11,7 +11,7 @@ def _at(x: float, z: float) -> np.ndarray:
     return pose
 
 
-def test_taking_the_lower_box_moves_the_upper_one_and_nobody_else() -> None:
+def test_taking_the_lower_box_moves_the_upper_one_and_nobody_else():
     with World() as world:
         world.add_table()
         world.add(shapes.box("low", (0.1, 0.1, 0.05)), _at(0, 0))

@@ -1,7 +1,6 @@
 """Scenes that do not quite stand do after shifts of millimetres, and what is beyond help is said."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ MENDED = {"floats by 2 mm", "2 mm deep", "centre 2 mm beyond the edge"}
 NOT = {"floats by 20 mm", "10 mm deep", "block on too steep a slope", "leaning past the friction cone"}
 
 
-def test_small_faults_are_mended_by_as_much_and_large_ones_are_told() -> None:
+def test_small_faults_are_mended_by_as_much_and_large_ones_are_told():
     seen = set[str]()
     for case in cases("blocks", 2, 1):
         if case.spoil not in MENDED | NOT:
@@ -34,7 +33,7 @@ def test_small_faults_are_mended_by_as_much_and_large_ones_are_told() -> None:
     assert seen == MENDED | NOT
 
 
-def test_the_command_writes_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_writes_poses(tmp_path, capsys):
     grid = np.stack(np.meshgrid(np.arange(-0.2, 0.2, 0.005), np.arange(-0.2, 0.2, 0.005), 0.0), -1)
     cube = np.random.default_rng(0).uniform(-0.5, 0.5, (6000, 3))
     cube[np.arange(6000), np.arange(6000) % 3] = np.sign(cube[np.arange(6000), np.arange(6000) % 3]) * 0.5
@@ -50,6 +49,6 @@ def test_the_command_writes_poses(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert main(["check", arguments[0], arguments[0], *arguments[1:]]) == 2
 
 
-def test_what_cameras_saw_is_not_mended() -> None:
+def test_what_cameras_saw_is_not_mended():
     with pytest.raises(InvalidInput, match="cameras saw"):
         mend(Scene({"a": np.random.default_rng(0).random((50, 3))}, up=(0, 0, 1), viewpoints=[(0, 0, 2)]))

@@ -1,7 +1,5 @@
 """What no URDF may say is refused in a line that says where."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import trimesh
@@ -41,13 +39,13 @@ TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}
         (LIMITED.format("revolute", -170, 170), r"for degrees expected -2.967 and 2.967; a joint that turns"),
     ],
 )
-def test_it_is_refused(tmp_path: Path, body: str, words: str) -> None:
+def test_it_is_refused(tmp_path, body, words):
     (tmp_path / "arm.urdf").write_text(f"<robot name='arm'>{body}</robot>")
     with pytest.raises(InvalidInput, match=words):
         read_urdf(tmp_path / "arm.urdf")
 
 
-def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path: Path) -> None:
+def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path):
     (tmp_path / "post.urdf").write_text(f"<robot name='arm'>{SPHERE.format('a', '0.1')}</robot>")
     with pytest.raises(InvalidInput, match=r"^post\.urdf: no joint moves 'a'"):
         robot(tmp_path / "post.urdf")
@@ -61,7 +59,7 @@ def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path: Path) -
         ('scale="0.001 0.001 0.001"', ""),
     ],
 )
-def test_a_mesh_in_millimetres_says_so(tmp_path: Path, scale: str, words: str) -> None:
+def test_a_mesh_in_millimetres_says_so(tmp_path, scale, words):
     trimesh.creation.box((80.0, 80.0, 300.0)).export(tmp_path / "link.stl")
     shape = f'<geometry><mesh filename="link.stl" {scale}/></geometry>'
     mesh = f'<link name="a"><collision>{shape}</collision></link>'
