@@ -53,34 +53,14 @@ def _npz(folder: Path, **arrays: object) -> Path:
 
 
 @pytest.mark.parametrize("command", ["relate", "order", "show"])
-@pytest.mark.parametrize(
-    ("arrays", "named"),
-    [
-        ({**FINE, "cup": np.empty((0, 3))}, ["'cup'", "empty"]),
-        ({**FINE, "cup": np.full((9, 3), np.nan)}, ["'cup'", "NaN", "9 of 9"]),
-        ({**FINE, "cup": np.zeros((1, 3))}, ["'cup'", "single point"]),
-        ({**FINE, "cup": np.zeros((9, 4))}, ["'cup'", "(9, 4)", "(N, 3)"]),
-        ({**FINE, "cup": BOX * 1000}, ["'cup'", "99.", "more than 20 m", "millimetres: points / 1000"]),
-        ({**FINE, "cup": np.array([None])}, ["'cup'", "pickle"]),
-        ({**FINE, "up": [0, 0, 0]}, ["up"]),
-        ({**FINE, "robot_base": np.diag([-1, 1, 1, 1])}, ["robot_base", "mirrored", "right-handed", "turn"]),
-        ({**FINE, "robot_base": np.diag([2, 2, 2, 1])}, ["robot_base", "not rigid", "orthonormal", "scale"]),
-        ({"depth": DEPTH, "K": K, "label": LABEL[:9]}, ["(9, 80)", "(60, 80)"]),
-        ({"depth": DEPTH, "K": np.eye(3), "label": LABEL}, ["K", "intrinsic"]),
-        ({"depth": DEPTH, "K": K}, ["label"]),
-        ({"depth": DEPTH * 1000, "K": K, "label": LABEL}, ["depth", "millimetres", "divide by 1000"]),
-        (
-            {"depth": DEPTH, "K": K, "label": LABEL, "pose_camera_to_world": np.diag([1, 1, -1, 1])},
-            ["pose_camera_to_world", "mirrored", "turn"],
-        ),
-    ],
-)
-def test_bad_arrays(refused, tmp_path, command, arrays, named):
-    path = _npz(tmp_path, **arrays)
-    line = refused(command, path)
-    assert str(path) in line
-    for words in named:
-        assert words in line
+def test_bad_arrays(refused, tmp_path, command):
+    for arrays, words in (
+        ({**FINE, "cup": np.empty((0, 3))}, "'cup' is empty"),
+        ({"depth": DEPTH, "K": K, "label": LABEL[:9]}, "(9, 80)"),
+    ):
+        path = _npz(tmp_path, **arrays)
+        line = refused(command, path)
+        assert str(path) in line and words in line
 
 
 def test_files_that_are_not_scenes(refused, tmp_path):
@@ -92,24 +72,6 @@ def test_files_that_are_not_scenes(refused, tmp_path):
     folder.mkdir()
     (folder / "cup.ply").write_text("hello")
     assert "'cup'" in refused("relate", folder)
-
-
-@pytest.mark.parametrize(
-    ("described", "named"),
-    [
-        ({"poses": {"cup": np.diag([1, -1, 1, 1]).tolist()}}, ["'cup' in scene.json", "mirrored", "turn"]),
-        ({"poses": {"cup": np.diag([3, 3, 3, 1]).tolist()}}, ["'cup' in scene.json", "not rigid", "scale"]),
-        ({"poses": {"cup": np.eye(4)[::-1].tolist()}}, ["'cup' in scene.json", "row [1 0 0 0]", "transpose"]),
-        ({"robot_base": np.diag([-1, 1, 1, 1]).tolist()}, ["robot_base", "mirrored", "turn"]),
-    ],
-)
-def test_poses_of_a_folder_have_to_be_rigid(refused, tmp_path, described, named):
-    np.savetxt(tmp_path / "cup.xyz", BOX)
-    (tmp_path / "scene.json").write_text(json.dumps(described))
-    line = refused("relate", tmp_path)
-    assert str(tmp_path) in line
-    for words in named:
-        assert words in line
 
 
 def test_two_things_of_one_name_are_refused(refused, tmp_path):

@@ -160,14 +160,19 @@ def test_poses_and_files_place_one_mesh_twice(tmp_path):
     assert any("'colour'" in line for line in scene.assumptions)
 
 
+POSED = '{"poses": {"box": %s}}'
+
+
 @pytest.mark.parametrize(
     ("described", "words"),
     [
         ("{", "not JSON"),
         ("[1]", "expected an object"),
         ('{"up": [0, 0, 1], "up": [0, 1, 0]}', "'up' twice"),
-        ('{"poses": {"box": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]}}', "'box'.*mirrored"),
-        ('{"poses": {"box": [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]}}', "'box'.*not rigid"),
+        (POSED % np.diag([1, 1, -1, 1]).tolist(), "'box' in scene.json.*mirrored.*turn"),
+        (POSED % np.diag([2, 2, 2, 1]).tolist(), "'box' in scene.json.*not rigid.*scale"),
+        (POSED % np.eye(4, dtype=int)[::-1].tolist(), "'box' in scene.json.*row .1 0 0 0.*transpose"),
+        (json.dumps({"robot_base": np.diag([-1, 1, 1, 1]).tolist()}), "robot_base.*mirrored.*turn"),
         ('{"poses": {"box": [1, 2]}}', "'box'.*shape"),
         ('{"poses": {"cup": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}}', "a pose of 'cup'"),
         ('{"poses": [1]}', "poses holds list"),
