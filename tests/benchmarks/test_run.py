@@ -171,11 +171,8 @@ def test_a_line_of_another_shape_is_refused_by_its_number(change, words, tmp_pat
     path = tmp_path / "endings.jsonl"
     kept = {**Ending(Episode("pile", 3), "success").to_json(), "code": code_key()}
     path.write_text(f"{json.dumps(kept)}\n{json.dumps({**kept, **change})}\n")
-    with pytest.raises(
-        InvalidInput, match=f"endings.jsonl: line 2 is no journal of a bench.*{words}"
-    ) as said:
+    with pytest.raises(InvalidInput, match=f"endings.jsonl: line 2 is no journal of a bench.*{words}"):
         Journal(path)
-    assert "\n" not in str(said.value)
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,9 @@ def down(x: float, y: float, z: float, turn: float = 0.0) -> np.ndarray:
     return pose
 
 
+PINCH = Grasp("aside", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)
+
+
 def stacked() -> Scene:
     """A block on a block, and one aside."""
     places = {"lower": (0.0, 0.0, 0.0), "upper": (0.0, 0.0, 0.0505), "aside": (0.0, 0.2, 0.0)}
@@ -67,22 +70,10 @@ def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan():
 @pytest.mark.parametrize(
     ("given", "error", "words"),
     [
-        (
-            [Grasp("", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)],
-            InvalidInput,
-            "grasp 0 names no object",
-        ),
+        ([replace(PINCH, object="")], InvalidInput, "grasp 0 names no object"),
         ({"cup": []}, UnknownObject, "cup"),
-        (
-            {"aside": [Grasp("lower", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)]},
-            InvalidInput,
-            "is given for",
-        ),
-        (
-            [Grasp("aside", "suction", down(0.0, 0.2, 0.05), 0.0, 0.0, 1.0)],
-            InvalidInput,
-            "panda has no suction",
-        ),
+        ({"aside": [replace(PINCH, object="lower")]}, InvalidInput, "is given for"),
+        ([replace(PINCH, kind="suction")], InvalidInput, "panda has no suction"),
     ],
 )
 def test_grasps_that_do_not_fit_are_refused(given, error, words):

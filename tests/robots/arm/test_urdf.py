@@ -13,6 +13,7 @@ LIMITED = (
     '<link name="a"/><link name="b"/><joint name="j" type="{}"><parent link="a"/><child link="b"/>'
     '<limit lower="{}" upper="{}" velocity="1" effort="1"/></joint>'
 )
+THREE = '<link name="a"/><link name="b"/><link name="c"/>'
 TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}"/></joint>'
 
 
@@ -23,18 +24,11 @@ TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}
         (SPHERE.format("a", "0"), "link 'a': expected a radius above 0, found '0'"),
         (SPHERE.format("a", "-0.1"), "expected a radius above 0"),
         (
-            '<link name="a"/><link name="b"/><link name="c"/>'
-            + TURNING.format("j", "b", "c")
-            + TURNING.format("k", "c", "b"),
+            THREE + TURNING.format("j", "b", "c") + TURNING.format("k", "c", "b"),
             "links in a loop, not connected to 'a': b, c",
         ),
         ('<link name="a"/><link name="a"/>', "there are two of link 'a': expected each name once"),
-        (
-            '<link name="a"/><link name="b"/><link name="c"/>'
-            + TURNING.format("j", "a", "b")
-            + TURNING.format("j", "b", "c"),
-            "there are two of joint 'j'",
-        ),
+        (THREE + TURNING.format("j", "a", "b") + TURNING.format("j", "b", "c"), "there are two of joint 'j'"),
         (LIMITED.format("prismatic", 0.04, 0), r"'j': its lower limit 0.04 is above its upper limit 0: exch"),
         (LIMITED.format("revolute", -170, 170), r"for degrees expected -2.967 and 2.967; a joint that turns"),
     ],

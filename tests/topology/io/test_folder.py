@@ -188,9 +188,8 @@ POSED = '{"poses": {"box": %s}}'
 def test_a_bad_scene_json_is_refused(tmp_path, described, words):
     _box(tmp_path / "box.obj")
     (tmp_path / "scene.json").write_text(described)
-    with pytest.raises(InvalidInput, match=words) as refusal:
+    with pytest.raises(InvalidInput, match=words):
         load_scene(tmp_path)
-    assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
@@ -226,7 +225,6 @@ def test_a_broken_file_is_refused_by_name(tmp_path, name, content, words):
     with pytest.raises(InvalidInput, match=words) as refusal:
         load_scene(tmp_path)
     assert "'mug'" in str(refusal.value)
-    assert "\n" not in str(refusal.value)
 
 
 def test_two_files_of_one_name_and_an_empty_folder_are_refused(tmp_path):

@@ -30,9 +30,9 @@ def test_what_unpacks_to_a_lot_is_refused_before_memory_is_taken(kind, tmp_path)
     path = _written(dict(made.MADE[kind](np.zeros((ROWS, 4)))), tmp_path)
     assert sum(file.stat().st_size for file in tmp_path.iterdir()) < 16 * ROWS / 50
     before = counting._peak(anew=True)
-    with pytest.raises(InvalidInput, match=r"unpack.* to .* most_bytes=N") as refused:
+    with pytest.raises(InvalidInput, match=r"unpack.* to .* most_bytes=N"):
         load_scene(path, most_bytes=ALLOWED)
-    assert counting._peak() - before < HELD and "\n" not in str(refused.value)
+    assert counting._peak() - before < HELD
     with pytest.raises(InvalidInput, match="labels is 0 everywhere"):  # where it is allowed, it is read
         load_scene(path)
 

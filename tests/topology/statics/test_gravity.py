@@ -134,9 +134,8 @@ def test_what_hangs_on_a_bar_is_carried_by_it(what):
 @pytest.mark.parametrize("name", ["table", "camera", "desk with legs", "nothing fixed"])
 def test_gravity_upside_down_is_refused_with_the_direction_that_fits(name):
     scene = _standing()[name].with_up((0, 0, -1))
-    with pytest.raises(InvalidInput, match=r"up is 0 0 -1.*give up=\[0, 0, 1\]") as refusal:
+    with pytest.raises(InvalidInput, match=r"up is 0 0 -1.*give up=\[0, 0, 1\]"):
         order(scene)
-    assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize("axis", list(AXES))
