@@ -1,7 +1,5 @@
 """Both engines side by side: only seeds played on both count, and each that differs is told of."""
 
-import json
-
 import pytest
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
@@ -9,7 +7,6 @@ pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mu
 from topple.benchmarks.engines import compared, rows
 from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.journal import Journal
-from topple.planner.cli.main import main
 from topple.robots.engines import BULLET, ENGINES, MUJOCO
 
 
@@ -40,7 +37,7 @@ def test_another_failure_that_disturbs_is_another_verdict():
     assert row.held == 0
 
 
-def test_the_bench_goes_on_from_its_journal(tmp_path, capsys):
+def test_the_bench_goes_on_from_its_journal(tmp_path, typed):
     with Journal(tmp_path / "engines.jsonl") as book:
         for engine in ENGINES:
             book.add(_ending(7, engine).to_json())
@@ -49,8 +46,8 @@ def test_the_bench_goes_on_from_its_journal(tmp_path, capsys):
     assert said == []  # nothing was left to play
     assert found[0]["value"] == 0
     assert {row["value"] for row in found[1:]} == {100.0}
-    assert main(["bench", "engines", "--quick", "--seed", "7", "--journal", str(book.path), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["bench"] == "engines"
+    found = typed("bench", "engines", "--quick", "--seed", "7", "--journal", book.path, "--json").document
+    assert found["bench"] == "engines"
 
 
 def test_a_journal_of_before_is_of_the_scenes_own_arm_on_pybullet():

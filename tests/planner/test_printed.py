@@ -4,7 +4,6 @@ import pytest
 from on_table import on_table
 
 import topple
-from topple.planner.cli.main import main
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.robots.shapes import box
 from topple.topology import Scene
@@ -35,7 +34,7 @@ def test_relations_are_asked_by_two_names_and_print_the_pairs_that_meet(scene):
     assert last == "disjoint: 3 of 6 pairs"
 
 
-def test_an_order_gives_its_steps_and_prints_what_the_command_line_says(scene, tmp_path, capsys):
+def test_an_order_gives_its_steps_and_prints_what_the_command_line_says(scene, tmp_path, typed):
     found = topple.order(scene, "book")
     mug, book = found
     assert found.next == mug == ("mug", "it rests on book.", found.risk["mug"], ())
@@ -43,8 +42,7 @@ def test_an_order_gives_its_steps_and_prints_what_the_command_line_says(scene, t
     assert found.as_taken(()).next is None
     path = str(tmp_path / "scene.npz")
     scene.save(path)
-    assert main(["order", path, "--target", "book"]) == 0
-    said, printed = capsys.readouterr().out, str(found).splitlines()
+    said, printed = typed("order", path, "--target", "book").out, str(found).splitlines()
     assert said.startswith(f"{path}: {printed[0]}\n") and len(str(found)) < 400
     assert all(word in said for line in printed[1:] for word in line.split())
 

@@ -221,7 +221,7 @@ def test_a_gripper_of_another_package_plans_verifies_and_runs():
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_commands_take_them_by_name(tmp_path, monkeypatch, capsys):
+def test_commands_take_them_by_name(tmp_path, monkeypatch, capsys, typed):
     monkeypatch.chdir(tmp_path)
     np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
     assert (
@@ -229,22 +229,20 @@ def test_commands_take_them_by_name(tmp_path, monkeypatch, capsys):
         == 0
     )
     assert json.loads(capsys.readouterr().out)["order"] == ["upper", "beside", "lower"]
-    assert main(["relate", "scene.npz", "--rule", "broken"]) == 2
-    said = capsys.readouterr()
+    said = typed("relate", "scene.npz", "--rule", "broken", code=2)
     assert said.out == "" and said.err.startswith("topple: rule 'broken' of package topple-kitchen 1.0 (")
-    assert main(["order", "scene.npz", "--orderer", "x"]) == 2
-    assert "there is no orderer 'x': expected fewest, cautious, highest, failing\n" in capsys.readouterr().err
+    err = typed("order", "scene.npz", "--orderer", "x", code=2).err
+    assert "there is no orderer 'x': expected fewest, cautious, highest, failing\n" in err
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_grasps_are_ranked_by_the_order_of_another_package(tmp_path, monkeypatch, capsys):
+def test_grasps_are_ranked_by_the_order_of_another_package(tmp_path, monkeypatch, typed):
     monkeypatch.chdir(tmp_path)
     np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
     Path("grasps.csv").write_text("0.25,0.05,0.08,0.08\n")  # of beside, which nothing touches
     waits = {}
     for options in ([], ["--orderer", "highest"], ["--rule", "boxes"]):
-        assert main(["rank", "scene.npz", "grasps.csv", *options, "--json"]) == 0
-        (grasp,) = json.loads(capsys.readouterr().out)["grasps"]
+        (grasp,) = typed("rank", "scene.npz", "grasps.csv", *options, "--json").document["grasps"]
         assert grasp["object"] == "beside"
         waits["".join(options)] = grasp["before"]
     assert waits == {"": [], "--orderer" + "highest": ["upper"], "--rule" + "boxes": []}
@@ -264,17 +262,16 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
-def test_every_command_that_relates_and_orders_takes_both(command, tmp_path, monkeypatch, capsys):
+def test_every_command_that_relates_and_orders_takes_both(command, tmp_path, monkeypatch, typed):
     monkeypatch.chdir(tmp_path)
     np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
     for option in ("--rule", "--orderer")[: 1 if command[0] == "relate" else 2]:
-        assert main([*command, option, "x"]) == 2
-        assert f"there is no {option[2:]} 'x': expected " in capsys.readouterr().err
+        assert f"there is no {option[2:]} 'x': expected " in typed(*command, option, "x", code=2).err
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("kitchen")
-def test_a_plan_is_written_in_the_format_of_another_package(tmp_path, capsys):
+def test_a_plan_is_written_in_the_format_of_another_package(tmp_path, capsys, typed):
     with scenario("cups", 3) as stage:
         seen = Scene.from_images([eye.look(stage.world) for eye in stage.cameras], fixed=stage.fixed)
         found = plan(seen.with_up([0, 0, 1]), stage.goal, "panda", base=stage.pose_base_to_world)
@@ -282,8 +279,8 @@ def test_a_plan_is_written_in_the_format_of_another_package(tmp_path, capsys):
     assert main(["export", str(tmp_path / "plan.json"), "--to", "list", "-o", str(tmp_path / "list")]) == 0
     assert (tmp_path / "list").read_text().endswith(". free low\n")
     capsys.readouterr()
-    assert main(["export", str(tmp_path / "plan.json"), "--to", "x"]) == 2
-    assert "expected dot, graphml, pddl, bt, moveit, ros2, list" in capsys.readouterr().err
+    err = typed("export", tmp_path / "plan.json", "--to", "x", code=2).err
+    assert "expected dot, graphml, pddl, bt, moveit, ros2, list" in err
 
 
 @pytest.mark.slow

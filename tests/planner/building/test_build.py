@@ -1,14 +1,11 @@
 """Build orders of real arrangements: what is under first, what falls held."""
 
-import json
-
 import numpy as np
 import pytest
 from on_table import balance, cards, on_table
 
 from topple.planner import build_order
 from topple.planner.building.build import Footing
-from topple.planner.cli.main import main
 from topple.robots.shapes import box
 from topple.topology import InvalidInput
 
@@ -57,27 +54,24 @@ def test_two_boards_that_lean_on_each_other_take_one_hold():
     assert (hold.object, hold.until) == found.order
 
 
-def test_the_command_prints_what_python_gives(tmp_path, capsys):
+def test_the_command_prints_what_python_gives(tmp_path, typed):
     scene = balance()
     path = tmp_path / "goal.npz"
     clouds = dict(scene.clouds)
     np.savez(path, up=[0, 0, 1], fixed=["table"], **clouds)  # type: ignore[arg-type]
-    assert main(["order", str(path), "--build", "--json"]) == 1, "plank has to be held"
-    document = json.loads(capsys.readouterr().out)
+    document = typed("order", path, "--build", "--json", code=1).document
     assert document["build"] is True
     assert document["order"] == ["pier", "plank", "weight"]
     assert [(hold["object"], hold["until"]) for hold in document["holds"]] == [("plank", "weight")]
     assert document["format"] == "topple.order"
     assert all(each["evidence"] for each in document["dependencies"])
-    assert main(["order", str(path), "--build"]) == 1
-    printed = capsys.readouterr()
+    printed = typed("order", path, "--build", code=1)
     assert "Hold plank until weight is down" in printed.out
     assert "one hand cannot do it: plank has to be held until weight is there" in printed.err
 
 
-def test_a_build_order_is_of_everything(capsys):
-    assert main(["order", "x.npz", "--build", "--target", "plank"]) == 2
-    assert "leave --target" in capsys.readouterr().err
+def test_a_build_order_is_of_everything(typed):
+    assert "leave --target" in typed("order", "x.npz", "--build", "--target", "plank", code=2).err
 
 
 def test_nothing_to_build_is_refused():

@@ -122,28 +122,24 @@ ON = _grid_box((0.06, 0.06, 0.04), (0.02, 0.02, 0.06))
         ({"low": LOW, "top": ON}, "no object is fixed"),
     ],
 )
-def test_what_cannot_be_is_ordered_under_a_stated_assumption(tmp_path, capsys, arrays, said):
+def test_what_cannot_be_is_ordered_under_a_stated_assumption(tmp_path, typed, arrays, said):
     path = _npz(tmp_path, up=[0, 0, 1], **arrays)
-    assert main(["order", str(path), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = typed("order", path, "--json").document
     assert set(document["order"]) == set(arrays) - {"table"}
     assert any(said in sentence for sentence in document["assumptions"])
-    assert main(["order", str(path)]) == 0
-    assert f"Assumed: {said}" in capsys.readouterr().out
+    assert f"Assumed: {said}" in typed("order", path).out
 
 
-def test_a_stack_that_can_be_needs_no_assumption_about_its_bodies(tmp_path, capsys):
+def test_a_stack_that_can_be_needs_no_assumption_about_its_bodies(tmp_path, typed):
     path = _npz(tmp_path, up=[0, 0, 1], low=LOW, top=ON, table=TABLE)
-    assert main(["order", str(path), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)["assumptions"]
+    said = typed("order", path, "--json").document["assumptions"]
     assert not any("overlap" in sentence or "carries" in sentence for sentence in said)
 
 
-def test_the_length_of_up_does_not_matter(tmp_path, capsys):
+def test_the_length_of_up_does_not_matter(tmp_path, typed):
     path = _npz(tmp_path, low=LOW, top=ON, table=TABLE)
     for length in ("1", "250", "0.004"):
-        assert main(["order", str(path), "--json", "--up", "0", "0", length]) == 0
-        document = json.loads(capsys.readouterr().out)
+        document = typed("order", path, "--json", "--up", "0", "0", length).document
         assert document["order"] == ["top", "low"]
         scaled = any("scaled to 1" in sentence for sentence in document["assumptions"])
         assert scaled == (length != "1")
@@ -217,10 +213,9 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def test_one_bad_scene_does_not_keep_the_others_from_their_answer(tmp_path, capsys):
+def test_one_bad_scene_does_not_keep_the_others_from_their_answer(tmp_path, typed):
     fine = str(_npz(tmp_path, **FINE))
-    assert main(["relate", "--json", fine, str(tmp_path / "no.npz"), fine]) == 2
-    out, err = capsys.readouterr()
+    out, err = typed("relate", "--json", fine, tmp_path / "no.npz", fine, code=2)
     assert [json.loads(line)["scene"] for line in out.splitlines()] == [fine, fine]
     assert len(err.splitlines()) == 1
 

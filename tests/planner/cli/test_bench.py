@@ -99,21 +99,19 @@ def test_relate_prints_the_contracts_document(monkeypatch, capsys):
     assert same["value"] == 0
 
 
-def test_a_missed_bar_is_code_1_and_said(monkeypatch, capsys):
+def test_a_missed_bar_is_code_1_and_said(monkeypatch, typed):
     def missing(quick: bool, seed: int, progress: object) -> list[dict[str, object]]:
         return [Row("speed", 1.0, "s", "another", 2.0, 2.0, ">= 3x").to_json(), Row("count", 4, "").to_json()]
 
     monkeypatch.setattr(motion, "rows", missing)
-    assert main(["bench", "motion", "--quick"]) == 1
-    out = capsys.readouterr().out
+    out = typed("bench", "motion", "--quick", code=1).out
     assert "MISSED" in out
     assert "0 of 1 bars cleared, 1 missed" in out
 
 
 @pytest.mark.parametrize("argv", [["bench", "nonsense"], ["bench", "relate", "--seed", "-1"]])
-def test_wrong_use_is_code_2(argv, capsys):
-    assert main(argv) == 2
-    assert capsys.readouterr().out == ""
+def test_wrong_use_is_code_2(argv, typed):
+    assert typed(*argv, code=2).out == ""
 
 
 def test_machines_are_told_apart_without_their_names():
@@ -242,20 +240,19 @@ def test_figures_of_several_methods_stand_side_by_side():
     ]
 
 
-def test_a_page_takes_a_table_between_its_marks(tmp_path, capsys):
+def test_a_page_takes_a_table_between_its_marks(tmp_path, typed):
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- table of topple bench speed -->\nold\n<!-- end of table -->\nafter\n")
-    assert main(["bench", "order", "--page", str(page)]) == 2
-    assert "expected '<!-- table of topple bench order -->'" in capsys.readouterr().err
+    err = typed("bench", "order", "--page", page, code=2).err
+    assert "expected '<!-- table of topple bench order -->'" in err
     new = replaced_table(page.read_text(), "speed", ["| a |", "| --- |"])
     assert new.splitlines()[2:4] == ["| a |", "| --- |"] and "old" not in new
     assert new.startswith("before\n<!--") and new.endswith("<!-- end of table -->\nafter\n")
     assert replaced_table(new, "speed", ["| a |", "| --- |"]) == new
-    assert main(["bench", "motion", "--part", "plans", "--page", str(page)]) == 2
-    assert "expected '<!-- table of topple bench motion --part plans -->'" in capsys.readouterr().err
+    err = typed("bench", "motion", "--part", "plans", "--page", page, code=2).err
+    assert "expected '<!-- table of topple bench motion --part plans -->'" in err
     for wrong in (["bench", "--page", str(page)], ["bench", "speed", "--page", str(tmp_path)]):
-        assert main(wrong) == 2
-        assert capsys.readouterr().err.count("\n") == 1
+        assert typed(*wrong, code=2).err.count("\n") == 1
 
 
 def test_tables_in_the_pages_are_of_benches_and_have_rows():

@@ -73,9 +73,8 @@ def test_an_order_checked_by_simulation_is_the_same_on_a_plain_stack(stack):
     assert [(e["first"], e["then"]) for e in found["dependencies"]] == [("above", "below")]
 
 
-def test_a_budget_without_a_check_is_refused(stack, capsys):
-    assert main(["order", str(stack), "--budget", "5"]) == 2
-    assert "--verify" in capsys.readouterr().err
+def test_a_budget_without_a_check_is_refused(stack, typed):
+    assert "--verify" in typed("order", stack, "--budget", "5", code=2).err
 
 
 def test_order_prints_the_contracts_keys(stack, capsys):
@@ -98,12 +97,11 @@ def test_several_scenes_are_json_lines(stack, capsys):
 
 
 @pytest.mark.slow
-def test_many_scenes_go_to_several_processes(stack, capsys):
+def test_many_scenes_go_to_several_processes(stack, typed):
     broken = stack.with_name("broken.npz")
     broken.write_bytes(b"no archive")
     scenes = [stack, broken, *[stack] * 5]
-    assert main(["relate", *map(str, scenes), "--json"]) == 2
-    printed = capsys.readouterr()
+    printed = typed("relate", *scenes, "--json", code=2)
     documents = [json.loads(line) for line in printed.out.splitlines()]
     assert [document["scene"] for document in documents] == [str(stack)] * 6
     assert all(document["relations"] == documents[0]["relations"] for document in documents)
@@ -136,12 +134,10 @@ def test_negative_numbers_with_exponents_are_numbers(stack, capsys):
     assert len(_json(capsys, "relate", stack, "--json", "--up", "-1e-3", "-0.5", "1")) == 1
 
 
-def test_order_says_every_step_with_its_reason(stack, capsys):
-    assert main(["order", str(stack)]) == 0
-    brief = capsys.readouterr().out
+def test_order_says_every_step_with_its_reason(stack, typed):
+    brief = typed("order", stack).out
     assert "Weakest contacts: " in brief and "What carries what" not in brief
-    assert main(["order", str(stack), "--explain"]) == 0
-    out = capsys.readouterr().out
+    out = typed("order", stack, "--explain").out
     lines = [line.split() for line in out.splitlines()]
     steps = [line[1] for line in lines if line[:1] and line[0] in ("1", "2", "3")]
     assert sorted(steps) == ["above", "below", "beside"]
@@ -151,11 +147,10 @@ def test_order_says_every_step_with_its_reason(stack, capsys):
     assert "Assumed: 'table' is taken as fixed because of its name." in out
 
 
-def test_names_are_printed_as_they_are(tmp_path, capsys):
+def test_names_are_printed_as_they_are(tmp_path, typed):
     box = _surface((0, 0, 0), (0.1, 0.1, 0.1))
     np.savez(tmp_path / "scene.npz", **{"[red]mug": box, "Löffel": box + np.array([0.1, 0, 0])})
-    assert main(["relate", str(tmp_path / "scene.npz")]) == 0
-    out = capsys.readouterr().out
+    out = typed("relate", tmp_path / "scene.npz").out
     assert "[red]mug" in out
     assert "Löffel" in out
 
@@ -181,14 +176,13 @@ def test_show_writes_a_page_or_a_picture(stack, capsys):
     assert not list(stack.parent.glob(".*"))
 
 
-def test_show_without_up_draws_the_relations(tmp_path, capsys):
+def test_show_without_up_draws_the_relations(tmp_path, typed):
     np.savez(
         tmp_path / "scene.npz",
         a=_surface((0, 0, 0), (0.1, 0.1, 0.1)),
         b=_surface((0.2, 0, 0), (0.3, 0.1, 0.1)),
     )
-    assert main(["show", str(tmp_path / "scene.npz"), "-o", str(tmp_path / "page.html")]) == 0
-    assert "--up 0 0 1" in capsys.readouterr().out
+    assert "--up 0 0 1" in typed("show", tmp_path / "scene.npz", "-o", tmp_path / "page.html").out
 
 
 @pytest.mark.slow
@@ -230,17 +224,15 @@ def test_help_and_version_answer_without_the_heavy_imports():
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_takes_the_common_options(command, capsys):
-    assert main([command, "--help"]) == 0
-    out = capsys.readouterr().out
+def test_every_command_takes_the_common_options(command, typed):
+    out = typed(command, "--help").out
     for option in ("--json", "--seed", "--fixed", "--up", "--version"):
         assert option in out
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_of_a_command_ends_with_two_calls_that_it_takes(command, capsys):
-    assert main(["help", command]) == 0
-    out = capsys.readouterr().out
+def test_help_of_a_command_ends_with_two_calls_that_it_takes(command, typed):
+    out = typed("help", command).out
     calls = [line.split("topple ", 1)[1] for line in out.splitlines() if line.startswith("  topple ")]
     assert len(calls) == 2
     for call in calls:
@@ -250,16 +242,13 @@ def test_help_of_a_command_ends_with_two_calls_that_it_takes(command, capsys):
     assert "(0)" not in out, "defaults are said to be some"
 
 
-def test_a_bare_name_after_a_scene_is_a_target(stack, capsys):
-    assert main(["order", str(stack), "--target", "below", "--json"]) == 0
-    asked = capsys.readouterr().out
-    assert main(["order", str(stack), "below", "--json"]) == 0
-    assert capsys.readouterr().out == asked
+def test_a_bare_name_after_a_scene_is_a_target(stack, typed):
+    asked = typed("order", stack, "--target", "below", "--json").out
+    assert typed("order", stack, "below", "--json").out == asked
 
 
-def test_the_scenes_of_the_demo_are_listed(capsys):
-    assert main(["demo", "--list"]) == 0
-    out = capsys.readouterr().out
+def test_the_scenes_of_the_demo_are_listed(typed):
+    out = typed("demo", "--list").out
     assert all(name in out for name in SCENARIOS)
     assert "free the plate" in out
 
@@ -303,7 +292,7 @@ def test_interrupting_is_code_130(stack, capsys, monkeypatch):
     assert capsys.readouterr().err.endswith("topple: interrupted\n")
 
 
-def test_of_many_objects_only_pairs_that_are_not_far_are_listed(tmp_path, capsys):
+def test_of_many_objects_only_pairs_that_are_not_far_are_listed(tmp_path, typed):
     places = [(k % 15, k // 15) for k in range(201)]
     clouds = {
         f"box {k}": _surface((0.2 * x, 0.2 * y, 0), (0.2 * x + 0.05, 0.2 * y + 0.05, 0.05), 60)
@@ -312,10 +301,8 @@ def test_of_many_objects_only_pairs_that_are_not_far_are_listed(tmp_path, capsys
     clouds["on box 0"] = _surface((0, 0, 0.05), (0.05, 0.05, 0.1), 60)
     np.savez(tmp_path / "many.npz", **clouds)  # type: ignore
     command = ["relate", str(tmp_path / "many.npz"), "--plain", "--json"]
-    assert main(command) == 0
-    few = json.loads(capsys.readouterr().out)
-    assert main([*command, "--all-pairs"]) == 0
-    every = json.loads(capsys.readouterr().out)
+    few = typed(*command).document
+    every = typed(*command, "--all-pairs").document
     assert len(every["relations"]) == 202 * 201 // 2 and "far_pairs_left_out" not in every
     assert few["far_pairs_left_out"] == len(every["relations"]) - len(few["relations"]) > 19_000
     listed = {(pair["a"], pair["b"]) for pair in few["relations"]}

@@ -63,10 +63,9 @@ def test_order(frame, orderer, capsys):
     assert not refused(["order", frame, *orderer], capsys)
 
 
-def test_the_order_says_it_all_the_same(frame, capsys):
+def test_the_order_says_it_all_the_same(frame, typed):
     for more in ([], ["--masks-as-they-are"]):
-        assert main(["order", frame, "--fixed", "table", *more]) == 0
-        assert "the mask of 'ghost' is level" in capsys.readouterr().out
+        assert "the mask of 'ghost' is level" in typed("order", frame, "--fixed", "table", *more).out
 
 
 def test_rank(frame, grasps, capsys):

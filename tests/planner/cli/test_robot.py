@@ -21,9 +21,8 @@ PANDA = str(data_path() / "franka_panda" / "panda.urdf")
 
 
 @pytest.mark.slow
-def test_a_panda_is_understood_tried_and_its_line_plans(tmp_path, capsys):
-    assert main(["robot", PANDA, "--json", "-o", str(tmp_path / "arm.png")]) == 0
-    said = json.loads(capsys.readouterr().out)
+def test_a_panda_is_understood_tried_and_its_line_plans(tmp_path, typed):
+    said = typed("robot", PANDA, "--json", "-o", tmp_path / "arm.png").document
     assert said["format"] == "topple.robot" and said["ok"] is True
     assert [joint["name"] for joint in said["joints"]] == [f"panda_joint{k}" for k in range(1, 8)]
     assert [tool["kind"] for tool in said["tools"]] == ["jaw"]
@@ -47,17 +46,15 @@ def test_a_panda_is_understood_tried_and_its_line_plans(tmp_path, capsys):
     assert json.loads(plan.read_text())["steps"]
 
 
-def test_an_arm_without_a_tool_is_described_and_told_what_to_write(tmp_path, capsys):
-    assert main(["robot", str(written(tmp_path))]) == 1
-    out = capsys.readouterr().out
+def test_an_arm_without_a_tool_is_described_and_told_what_to_write(tmp_path, typed):
+    out = typed("robot", str(written(tmp_path)), code=1).out
     assert "6 joints from world" in out
     assert 'cup = {link = "tool0"' in out and "not tried, there is nothing to take hold with" in out
     assert "no velocity limits" in out
 
 
-def test_the_grasp_can_be_left_out(tmp_path, capsys):
-    assert main(["robot", PANDA, "--no-grasp", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
+def test_the_grasp_can_be_left_out(tmp_path, typed):
+    said = typed("robot", PANDA, "--no-grasp", "--json").document
     assert said["grasp"] is None and said["untried"] == "it was not asked for"
 
 

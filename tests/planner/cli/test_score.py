@@ -76,15 +76,14 @@ def test_an_order_of_another_program_is_scored_as_written(pile, tmp_path, capsys
     assert document["unsafe"] == [{"object": "1", "moves": ["2"]}] and document["safe"] == 0
 
 
-def test_several_scenes_are_pooled(pile, tmp_path, capsys):
+def test_several_scenes_are_pooled(pile, tmp_path, capsys, typed):
     again = tmp_path / "again.npz"
     again.write_bytes(pile.read_bytes())
     *each, everything = scored(capsys, pile, again)
     assert len(each) == 2 and everything["scene"] is None and everything["scenes"] == 2
     for key in ("right", "missed", "steps", "safe"):
         assert everything[key] == sum(document[key] for document in each)
-    assert main(["score", str(pile), str(again), "--orderer", "cautious"]) == 0
-    assert "all 2 scenes: F1 0.667" in capsys.readouterr().out
+    assert "all 2 scenes: F1 0.667" in typed("score", pile, again, "--orderer", "cautious").out
 
 
 @pytest.mark.parametrize(
@@ -98,11 +97,10 @@ def test_several_scenes_are_pooled(pile, tmp_path, capsys):
         (("OTHER", "--labels", "PILE"), "expected a topple.order"),
     ],
 )
-def test_wrong_use_is_one_line(pile, argv, words, capsys):
+def test_wrong_use_is_one_line(pile, argv, words, typed):
     broken, other = pile.with_name("broken.json"), pile.with_name("other.json")
     broken.write_text('{"format": "topple.order", "dependencies": []}', encoding="utf-8")
     other.write_text('{"format": "topple.plan"}', encoding="utf-8")
     files = {"PILE": pile, "BROKEN": broken, "OTHER": other}
-    assert main(["score", *(str(files.get(word, word)) for word in argv)]) == 2
-    printed = capsys.readouterr()
+    printed = typed("score", *(str(files.get(word, word)) for word in argv), code=2)
     assert printed.out == "" and words in printed.err and printed.err.count("\n") == 1

@@ -52,10 +52,9 @@ def test_another_goal_is_reached_over_what_is_in_the_way(scene):
     assert "put-on(o-ball, o-block)" in steps
 
 
-def test_the_command_exports_the_order_it_printed(scene, tmp_path, capsys, monkeypatch):
+def test_the_command_exports_the_order_it_printed(scene, tmp_path, capsys, typed, monkeypatch):
     np.savez(tmp_path / "scene.npz", **scene.clouds, fixed=["table"], up=[0, 0, 1])
-    assert main(["order", str(tmp_path / "scene.npz"), "--target", "box", "--json"]) == 0
-    printed = capsys.readouterr().out
+    printed = typed("order", tmp_path / "scene.npz", "--target", "box", "--json").out
     assert main(["export", "nowhere.json", "--to", "pddl"]) == 2
     capsys.readouterr()
     (tmp_path / "order.json").write_text(printed)
@@ -64,8 +63,7 @@ def test_the_command_exports_the_order_it_printed(scene, tmp_path, capsys, monke
     assert made == scene_pddl(json.loads(printed))
     capsys.readouterr()
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(printed.encode())))
-    assert main(["export", "-", "--to", "pddl"]) == 0
-    assert capsys.readouterr().out.strip() == "\n;; problem\n".join(made).strip()
+    assert typed("export", "-", "--to", "pddl").out.strip() == "\n;; problem\n".join(made).strip()
 
 
 def test_what_is_no_order_is_refused():

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from on_table import BASE, on_table
 
-from topple.planner.cli.main import main
 from topple.planner.mcp.root import Root
 from topple.planner.mcp.tools import TOOLS, answer, schema_of
 from topple.robots import shapes
@@ -141,6 +140,5 @@ def test_schemas_are_of_objects_without_other_keys():
     assert schemas["why"]["required"] == ["scene", "take"]
 
 
-def test_the_command_refuses_a_root_that_is_none(capsys):
-    assert main(["mcp", "--root", "nowhere"]) == 2
-    assert "no such folder" in capsys.readouterr().err
+def test_the_command_refuses_a_root_that_is_none(typed):
+    assert "no such folder" in typed("mcp", "--root", "nowhere", code=2).err

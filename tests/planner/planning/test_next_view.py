@@ -1,6 +1,5 @@
 """Where to look next: the places that no camera saw, and a view that shows them."""
 
-import json
 import sys
 from pathlib import Path
 
@@ -62,14 +61,12 @@ def test_places_that_are_none_are_refused(hidden):
         next_view(hidden, eyes=np.zeros((2, 2)))
 
 
-def test_the_command_tells_it(hidden, tmp_path, capsys):
+def test_the_command_tells_it(hidden, tmp_path, typed):
     path = tmp_path / "hidden.npz"
     np.savez(path, **hidden.clouds, fixed=["table"], up=hidden.up, viewpoints=hidden.viewpoints)
-    assert main(["order", str(path), "--next-view", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)["next_view"]
+    told = typed("order", path, "--next-view", "--json").document["next_view"]
     assert 0 < told["worth"] <= 1 and len(told["eye"]) == 3 and told["shows"]
-    assert main(["order", str(path), "--next-view"]) == 0
-    out = " ".join(capsys.readouterr().out.split())
+    out = " ".join(typed("order", path, "--next-view").out.split())
     assert f"Next view: {told['from']}, (" in out and f"Look {told['from']}: where it meets" in out
     assert main(["show", str(path), "-o", str(tmp_path / "page.html")]) == 0
     assert f"Next view: {told['from']}, (" in (tmp_path / "page.html").read_text()

@@ -1,5 +1,7 @@
 """Things in a shelf are taken from the front: what stands before one goes first, and nothing goes up."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -23,21 +25,16 @@ from topple.topology.situation.situation import Situation
 OUT = np.array([-1.0, 0.0, 0.0])
 
 
-def look_at(stage: Scenario) -> Scene:
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Scenario]:
+    with scenario("shelf", 1) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def scene(stage: Scenario) -> Scene:
     eyes = Observer(stage.world, stage.cameras, np.random.default_rng(0), stage.fixed, stage.up)
     return eyes.look().scene
-
-
-@pytest.fixture(scope="module")
-def stage() -> Scenario:
-    with scenario("shelf", 1) as made:
-        return made
-
-
-@pytest.fixture(scope="module")
-def scene() -> Scene:
-    with scenario("shelf", 1) as made:
-        return look_at(made)
 
 
 def test_what_stands_before_a_thing_goes_first(scene):

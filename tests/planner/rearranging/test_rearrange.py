@@ -1,8 +1,5 @@
 """From one scene to another: what goes first, what makes room, and why."""
 
-import json
-
-import numpy as np
 import pytest
 from on_table import on_table
 
@@ -73,17 +70,13 @@ def test_other_things_are_refused():
         rearrange(blocks(a=(0, 0, 0), b=(0.2, 0, 0)), blocks(a=(0.2, 0, 0)))
 
 
-def test_the_command_says_how_many_moves_and_why(tmp_path, capsys):
-    paths = []
-    for name, places in (("start", (0.0, 0.2)), ("goal", (0.2, 0.0))):
-        scene = blocks(a=(places[0], 0, 0), b=(places[1], 0, 0))
-        paths.append(str(tmp_path / f"{name}.npz"))
-        clouds = dict(scene.clouds)
-        np.savez(paths[-1], up=[0, 0, 1], fixed=["table"], **clouds)  # type: ignore[arg-type]
-    assert main(["order", paths[0], "--to", paths[1], "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_the_command_says_how_many_moves_and_why(tmp_path, typed):
+    paths = [str(tmp_path / f"{name}.npz") for name in ("start", "goal")]
+    for path, (a, b) in zip(paths, ((0.0, 0.2), (0.2, 0.0)), strict=True):
+        blocks(a=(a, 0, 0), b=(b, 0, 0)).save(path)
+    document = typed("order", paths[0], "--to", paths[1], "--json").document
     assert [move["buffer"] for move in document["moves"]] == [True, False, False]
     assert document["bound"] == 3 and document["optimal"]
-    assert main(["order", paths[0], "--to", paths[1]]) == 0
-    assert "3 moves, 1 of them to make room; no sequence has fewer" in capsys.readouterr().out
+    out = typed("order", paths[0], "--to", paths[1]).out
+    assert "3 moves, 1 of them to make room; no sequence has fewer" in out
     assert main(["order", paths[0], "--to", paths[1], "--build"]) == 2

@@ -8,7 +8,6 @@ import pytest
 from on_table import on_table
 
 from topple.planner import NoSafePlan, rearrange
-from topple.planner.cli.main import main
 from topple.planner.rearranging.related import related
 from topple.robots.shapes import bowl, box, lemon
 from topple.topology import InvalidInput, Scene, UnknownObject, relate
@@ -76,15 +75,13 @@ def test_words_are_a_goal_in_python_too():
         rearrange(APART, " ")
 
 
-def test_the_command_takes_a_document_and_names_what_is_none(tmp_path, capsys):
+def test_the_command_takes_a_document_and_names_what_is_none(tmp_path, typed):
     start = tmp_path / "start.npz"
     np.savez(start, **APART.clouds, up=[0, 0, 1], fixed=["table"])
     goal = tmp_path / "goal.json"
     goal.write_text(json.dumps(relate(STACKED).to_json()), encoding="utf-8")
-    assert main(["order", str(start), "--to", str(goal)]) == 0
-    assert "1 move" in capsys.readouterr().out
+    assert "1 move" in typed("order", start, "--to", goal).out
     goal.write_text('{"order": []}', encoding="utf-8")
     for command in (["order"], ["plan", "--robot", "panda"]):
         for wrong, told in ((str(goal), "topple relate --json"), ("", "--to is empty")):
-            assert main([command[0], str(start), *command[1:], "--to", wrong]) == 2
-            assert told in capsys.readouterr().err
+            assert told in typed(command[0], start, *command[1:], "--to", wrong, code=2).err

@@ -1,6 +1,5 @@
 """Rearrangements as plans and runs of an arm."""
 
-import json
 from dataclasses import replace
 from typing import Any
 
@@ -123,16 +122,14 @@ def test_what_the_arm_cannot_do_is_told():
 
 
 @pytest.mark.slow
-def test_the_command_writes_the_plan(tmp_path, capsys):
+def test_the_command_writes_the_plan(tmp_path, typed):
     paths = [str(tmp_path / name) for name in ("start.npz", "goal.npz")]
     for path, scene in zip(paths, (START, GOAL), strict=True):
         np.savez(path, up=[0, 0, 1], fixed=["table"], robot_base=BASE, **dict(scene.clouds))  # type: ignore[arg-type]
-    assert main(["plan", paths[0], "--to", paths[1], "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = typed("plan", paths[0], "--to", paths[1], "--json").document
     assert [step["buffer"] for step in document["steps"]] == [True, False, False]
     assert set(document["poses"]) == {"a", "b"}
-    assert main(["order", paths[0], "--to", "a left of b"]) == 0
-    assert "no sequence has fewer" in capsys.readouterr().out
+    assert "no sequence has fewer" in typed("order", paths[0], "--to", "a left of b").out
     assert main(["plan", paths[0], "--to", paths[1], "--goal", "a on b"]) == 2
 
 

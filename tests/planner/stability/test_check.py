@@ -222,7 +222,7 @@ def test_clouds_stand_within_their_noise_and_float_beyond_it():
         assert verdicts(found) == {"book": "stands", "mug": verdict}
 
 
-def test_the_command_says_it_in_its_first_line_and_its_exit_code(tmp_path, capsys):
+def test_the_command_says_it_in_its_first_line_and_its_exit_code(tmp_path, capsys, typed):
     codes = {}
     for offset in (0.104, 0.08):
         folder = tmp_path / str(offset)
@@ -240,8 +240,7 @@ def test_the_command_says_it_in_its_first_line_and_its_exit_code(tmp_path, capsy
         assert document["stands"] == (offset == 0.08)
         assert ("margins" in document["objects"][1]) == document["stands"]
     assert codes == {0.104: 1, 0.08: 0}
-    assert main(["check", str(tmp_path / "0.104"), "--up", "0", "0", "1"]) == 1
-    first = capsys.readouterr().out.splitlines()[0]
+    first = typed("check", tmp_path / "0.104", "--up", "0", "0", "1", code=1).out.splitlines()[0]
     assert first.endswith("1 of 2 stand; mug tips over the edge of book, 4 mm beyond")
     assert main(["check", str(tmp_path / "nowhere.npz")]) == 2
     with pytest.raises(AssertionError, match="mug tips over the edge of book, 4 mm beyond"):
@@ -296,7 +295,7 @@ def test_a_stack_withstands_by_its_weights_what_the_programme_of_forces_says(mon
 
 
 @pytest.mark.parametrize("engine", ["bullet", "mujoco"])
-def test_simulation_says_the_same_and_where_it_does_not_that_is_shown(engine, tmp_path, capsys):
+def test_simulation_says_the_same_and_where_it_does_not_that_is_shown(engine, tmp_path, typed):
     """Of what stands, tips and floats; and where statics is made to say something else."""
     pytest.importorskip("pybullet" if engine == "bullet" else engine)
     meshes = {
@@ -317,5 +316,5 @@ def test_simulation_says_the_same_and_where_it_does_not_that_is_shown(engine, tm
         said = replace(found, objects={**found.objects, "mug": found.objects["block"]})
         assert play(made, said).disagreeing == ("mug",)
         made.save(tmp_path / "made")
-        assert main(["check", str(tmp_path / "made"), "--play", "--json"]) == 1
-        assert json.loads(capsys.readouterr().out)["played"]["disagreeing"] == []
+        found = typed("check", tmp_path / "made", "--play", "--json", code=1).document
+        assert found["played"]["disagreeing"] == []

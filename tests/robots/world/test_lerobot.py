@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from topple.planner.cli.main import main
 from topple.planner.execution.trial import Trial
 from topple.robots.catalog import robot
 from topple.robots.world.camera import Camera
@@ -153,16 +152,14 @@ def test_other_joints_and_other_folders_are_refused(dataset, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_run_becomes_an_episode(tmp_path, capsys):
+def test_a_run_becomes_an_episode(tmp_path, typed):
     scene: Any = Trial(0.05, (0.5, 0.0, 0.0)).scene()
     np.savez(tmp_path / "scene.npz", **scene.clouds, fixed=["table"], up=[0, 0, 1], robot_base=np.eye(4))
     command = ["run", str(tmp_path / "scene.npz"), "block", "--robot", "panda-suction"]
-    assert main([*command, "--lerobot", str(tmp_path / "data")]) == 0
-    assert f"Written: {tmp_path / 'data'}" in capsys.readouterr().out
+    assert f"Written: {tmp_path / 'data'}" in typed(*command, "--lerobot", tmp_path / "data").out
     dataset = Dataset(tmp_path / "data")
     assert dataset.tasks == {0: "free block"} and dataset.info["features"]["action"]["names"][-1] == "vacuum"
     rows = dataset.rows(0)
     assert rows["next.success"][-1] and {0.0, 1.0} == set(rows["action"][:, -1].tolist())
     assert len(dataset.frames(0)) == dataset.episodes[0]["length"] > 5 * RATE
-    assert main([*command, "--lerobot", str(tmp_path)]) == 2
-    assert "is no dataset of LeRobot" in capsys.readouterr().err
+    assert "is no dataset of LeRobot" in typed(*command, "--lerobot", tmp_path, code=2).err

@@ -147,19 +147,17 @@ def test_what_is_no_folder_of_models_is_refused(seen, tmp_path):
         with_models(seen[0], tmp_path)
 
 
-def test_the_commands_take_a_folder_of_models_or_none(seen, tmp_path, capsys):
+def test_the_commands_take_a_folder_of_models_or_none(seen, tmp_path, capsys, typed):
     scene, folder, _ = seen
     clouds = {name: cloud for name, cloud in scene.clouds.items() if name in ("can", "table")}
     place = str(tmp_path / "scene.npz")
     np.savez(place, **clouds, fixed=np.array(["table"]), up=scene.up, viewpoints=scene.viewpoints)
-    assert main(["relate", place, "--models", str(folder), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = typed("relate", place, "--models", folder, "--json").document
     (fit,) = document["models"]
     assert fit["object"] == fit["model"] == "can" and fit["registered"] and fit["residual"] < 0.003
-    assert main(["order", "--models", str(folder), place]) == 0
-    assert "Assumed: 'can' is the model can, registered: residual" in capsys.readouterr().out
-    assert main(["relate", place, "--json"]) == 0
-    assert "models" not in json.loads(capsys.readouterr().out)
+    out = typed("order", "--models", folder, place).out
+    assert "Assumed: 'can' is the model can, registered: residual" in out
+    assert "models" not in typed("relate", place, "--json").document
     assert main(["relate", "--models", place]) == 2  # the switch of BOP, before a scene
     assert "which has no option models" in capsys.readouterr().err
     assert load_scene(place, models=folder).models["can"].refused is None

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from run_lengths import lengths
 
-from topple.planner.cli.main import main
 from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera
@@ -93,7 +92,7 @@ def test_depth_says_which_masks_cannot_be_trusted(seen):
 
 
 @pytest.mark.parametrize("form", ["masks.json", "annotations.json", "masks.npy", "masks.npz"])
-def test_masks_are_read_from_a_file_beside_the_frame(seen, form, tmp_path, capsys):
+def test_masks_are_read_from_a_file_beside_the_frame(seen, form, tmp_path, typed):
     masks, file, frame = stack(seen), tmp_path / form, tmp_path / "frame.npz"
     np.savez(frame, depth=seen.depth, K=seen.K, **pose(seen))
     if form == "masks.npy":
@@ -108,8 +107,8 @@ def test_masks_are_read_from_a_file_beside_the_frame(seen, form, tmp_path, capsy
     assert scene.names == same.names
     assert all(np.array_equal(scene.clouds[name], same.clouds[name]) for name in scene.names)
     if form == "masks.json":
-        assert main(["order", str(frame), "--masks", str(file), "--target", "1", "--json"]) == 0
-        assert json.loads(capsys.readouterr().out)["order"] == ["2", "1"]
+        found = typed("order", frame, "--masks", file, "--target", "1", "--json").document
+        assert found["order"] == ["2", "1"]
 
 
 def test_pickles_and_other_files_are_refused(seen, tmp_path):
