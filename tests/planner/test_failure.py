@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import BASE
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import STEPS, FailureLog, TransferFailure
@@ -12,8 +13,6 @@ from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.scene import Scene
 
 ARM = robot("panda")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 HOME = Station(ARM, BASE, np.array(ARM.home))
 
 

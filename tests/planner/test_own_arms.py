@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moving import at
 
 from topple.planner.cli.main import main
 from topple.planner.execution.run import run
@@ -45,8 +46,7 @@ def options(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path 
 @pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
 def test_a_plan_holds_and_finds_its_arm_again(scene, options):
-    base = np.eye(4)
-    base[0, 3] = -0.45
+    base = at(-0.45, 0.0, 0.0)
     found = plan(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
     again = plan_from_json(plan_to_json(found))
     assert again == found
@@ -60,8 +60,7 @@ def test_a_plan_holds_and_finds_its_arm_again(scene, options):
 @pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
 def test_a_run_in_pybullet_succeeds(scene, options):
-    base = np.eye(4)
-    base[0, 3] = -0.45
+    base = at(-0.45, 0.0, 0.0)
     record = run(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
     assert record.success, record.violations
 

@@ -8,6 +8,7 @@ import pybullet
 import pybullet_data
 import pytest
 import trimesh
+from moving import at
 
 from topple.planner import NoSafePlan, order, plan, run
 from topple.robots import scene_from_world
@@ -141,8 +142,7 @@ def certificate(scene: Scene, base: np.ndarray | None = None) -> str:
 
 
 def test_a_base_too_far_from_any_free_place_is_said_with_one_that_would_do(tmp_path):
-    base = np.eye(4)
-    base[:3, 3] = [-1.6, 0.0, 0.0]
+    base = at(-1.6, 0.0, 0.0)
     said = certificate(board(tmp_path, 0.02), base)
     assert "no free place for top within reach: the nearest is 1." in said
     x, y = (float(word) for word in said.split("--base ")[1].split()[:2])

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from on_table import BASE
 
 from topple.planner import NoSafePlan, order, plan, rank_grasps
 from topple.planner.formats.run_record import RunRecord, StepRecord
@@ -20,9 +21,6 @@ from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology import DepthImage, Hull, InvalidInput, Mesh, Scene, relate
 from topple.topology.situation.situation import Situation
-
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 
 
 def stack(seed: int = 0) -> Scene:

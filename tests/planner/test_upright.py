@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import BASE
 
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion
@@ -18,8 +19,6 @@ from topple.topology.base.errors import UnknownObject
 from topple.topology.scene.scene import Scene
 
 ARM = robot("panda")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 UP = np.array([0.0, 0.0, 1.0])
 
 

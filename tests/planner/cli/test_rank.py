@@ -1,10 +1,10 @@
+import io
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from moving import at
 
 from topple.robots.shapes.boxes import box
 
@@ -95,8 +95,7 @@ def test_grasps_out_of_reach_say_so(scene, grasps, typed):
     ],
 )
 def test_wrong_use_is_one_line(scene, grasps, argv, words, typed):
-    far = np.eye(4)
-    far[0, 3] = 9.0
+    far = at(9.0, 0.0, 0.0)
     np.save(scene.with_name("far.npy"), far[None])
     files = {"GRASPS": grasps, "SCENE": scene, "FAR": scene.with_name("far.npy")}
     printed = typed("rank", scene, *(str(files.get(word, word)) for word in argv), code=2)
@@ -118,13 +117,11 @@ def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_
 
 
 @pytest.mark.parametrize("kind", ["npz", "npy"])
-def test_grasps_are_piped_in(scene, grasps, kind, typed):
+def test_grasps_are_piped_in(scene, grasps, kind, typed, monkeypatch):
     if kind == "npy":
         grasps = scene.with_name("poses.npy")
         np.save(grasps, np.array([np.diag([1.0, -1.0, -1.0, 1.0]) + np.eye(4, k=3) * 0.0]))
-    code = "import sys; from topple.planner.cli.main import main; sys.exit(main(sys.argv[1:]))"
-    call = [sys.executable, "-c", code, "rank", str(scene), "-", "--json"]
-    done = subprocess.run(call, input=grasps.read_bytes(), capture_output=True, check=True)
-    piped = json.loads(done.stdout)
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(grasps.read_bytes())))
+    piped = typed("rank", scene, "-", "--json").document
     direct = typed("rank", scene, grasps, "--json").document
     assert piped["grasps"] == direct["grasps"] and len(piped["grasps"]) > 0 and piped["file"] == "-"

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from on_table import BASE
 
 from topple.benchmarks.sabotages.caught import CASES, scene_for
 from topple.planner import run
@@ -16,8 +17,6 @@ from topple.robots.poses import inverse
 from topple.topology.situation.situation import Situation
 
 SCENE = scene_for(CASES[0][0])  # a block on a block
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 
 
 SLOW = [pytest.param(each, marks=pytest.mark.slow) for each in ("lift", ("zone", 0.0, 0.25, 0.5, 0.55))]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moving import at, down
 from on_table import on_table
 
 from topple.benchmarks.grasps import random_grasps
@@ -20,12 +21,6 @@ from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
 from topple.topology.scene.scene import Scene
 from topple.topology.views.image import DepthImage
-
-
-def down(x: float, y: float, z: float) -> np.ndarray:
-    pose = np.diag([1.0, -1.0, -1.0, 1.0])
-    pose[:3, 3] = [x, y, z]
-    return pose
 
 
 def scene() -> Scene:
@@ -66,8 +61,7 @@ def test_what_is_known_to_weigh_more_than_hand_or_arm_hold_is_refused_with_its_f
 
 
 def test_what_the_arm_cannot_reach_is_dropped():
-    far = np.eye(4)
-    far[0, 3] = -3.0
+    far = at(-3.0, 0.0, 0.0)
     ranked = rank_grasps(scene(), GRASPS, robot("panda"), pose_base_to_world=far)
     assert ranked[0].dropped == "out of reach"
 
@@ -272,8 +266,7 @@ def test_a_reach_of_ones_own_is_asked_about_what_nothing_else_speaks_against():
 
 
 def test_a_reach_of_ones_own_goes_before_the_arms(tmp_path):
-    far = np.eye(4)
-    far[0, 3] = -3.0
+    far = at(-3.0, 0.0, 0.0)
     ranked = rank_grasps(scene(), GRASPS, "panda", pose_base_to_world=far, reach=lambda grasps: [True])
     assert ranked[0].dropped is None
 

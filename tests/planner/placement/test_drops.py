@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from moving import at
 from scipy.spatial.transform import Rotation
 
 from topple.planner.placement.drops import standing, staying
@@ -33,9 +34,7 @@ def standing_parts(body: Body, x: float = 0.0) -> list[np.ndarray]:
 
 
 def shifted(x: float, z: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[0, 3], pose[2, 3] = x, z
-    return pose
+    return at(x, 0.0, z)
 
 
 def test_a_dropped_box_stands_on_what_is_below_and_the_fall_can_be_repeated():

@@ -5,6 +5,8 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
+from moving import at
+from on_table import BASE
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.grasp import grasp_candidates
@@ -24,8 +26,6 @@ from topple.topology.situation.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 SLAB = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 
 
 def peg() -> Body:
@@ -54,9 +54,7 @@ def dropped() -> Plan:
 
 
 def raised(x: float, z: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[0, 3], pose[2, 3] = x, z
-    return pose
+    return at(x, 0.0, z)
 
 
 def on_table(body: Body) -> list[np.ndarray]:

@@ -6,6 +6,7 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from on_table import BASE
 
 from topple.planner.failure import FailureLog
 from topple.planner.grasp.grasp import Grasp
@@ -22,8 +23,6 @@ from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
 PANDA, CUP = robot("panda"), robot("panda-suction")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 SIDE = 0.05  # [m] of the cube, which stands at the origin
 LENGTH = 0.08  # [m] of the straight ways here
 

@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from moving import at
 from on_table import BASE, on_table
 
 from topple.planner.placement.base import NoBase, choose_base
@@ -100,8 +101,7 @@ def test_the_same_seed_gives_the_same_transfer(transfer):
 
 
 def test_out_of_reach_is_a_failure_that_says_so():
-    far = np.eye(4)
-    far[0, 3] = -3.0
+    far = at(-3.0, 0.0, 0.0)
     found = plan_transfer("can", scene(), Station(ARM, far, np.array(ARM.home)))
     assert isinstance(found, TransferFailure)
     assert "reach" in str(found)

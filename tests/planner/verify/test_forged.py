@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from moving import at
 from on_table import BASE, on_table
 
 from topple.benchmarks.sabotages.caught import CASES, ROUGH, planned, scene_for
@@ -90,8 +91,7 @@ def test_joints_that_cannot_hold_a_load_are_named_with_their_figures():
 
 def test_a_load_pressed_into_the_table_that_it_is_said_to_be_put_into():
     scene, arm, start = alone(), robot("panda"), np.asarray(robot("panda").home)
-    place = np.eye(4)
-    place[:3, 3] = (0.05, 0.12, -0.03)
+    place = at(0.05, 0.12, -0.03)
     into = Placement(place, 1.0, into="table", how=PlaceRelation.ON)
     found = plan_transfer("block", scene, Station(arm, BASE, start), TransferRequest([into]))
     assert isinstance(found, Transfer), found
