@@ -27,7 +27,7 @@ def picture(depth: np.ndarray) -> DepthImage:
     return DepthImage(depth, K, np.zeros(depth.shape, dtype=np.int64), pose)
 
 
-@pytest.mark.parametrize("cameras", [1, 3])
+@pytest.mark.parametrize("cameras", [1, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("images", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_turn_about_the_vertical_changes_no_relation_and_nothing_observed(cameras, images):
     unseen, changed = 0, list[int]()
