@@ -53,7 +53,9 @@ def surface(block: Block, rng: np.random.Generator) -> FloatArray:
     return Rotation.from_euler("y", lean, degrees=True).apply(points * edges) + middle
 
 
-@pytest.mark.parametrize("size", [0.01, 0.02, 0.05, 0.1, 0.3, 0.6])
+@pytest.mark.parametrize(
+    "size", [0.01, 0.05, 0.6, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.02, 0.1, 0.3))]
+)
 @pytest.mark.parametrize("name", SCENES)
 def test_a_textbook_scene_is_told_as_it_is_drawn(name, size):
     blocks, wanted = SCENES[name]

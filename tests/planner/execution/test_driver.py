@@ -142,7 +142,12 @@ def planned(name: str) -> Transfer:
 
 
 @pytest.mark.parametrize(
-    ("name", "tool"), [("panda", "fingers"), ("panda-suction", "suction"), ("xarm6", "fingers")]
+    ("name", "tool"),
+    [
+        ("panda", "fingers"),
+        ("panda-suction", "suction"),
+        pytest.param("xarm6", "fingers", marks=pytest.mark.slow),
+    ],
 )
 def test_another_driver_carries_a_transfer_out(name, tool):
     transfer, moments = planned(name), []

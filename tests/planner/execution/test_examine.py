@@ -12,7 +12,7 @@ from topple.robots.catalog import robot
 pytest.importorskip("pybullet")
 
 
-@pytest.mark.parametrize("name", ["scara", "gantry"])
+@pytest.mark.parametrize("name", ["scara", pytest.param("gantry", marks=pytest.mark.slow)])
 def test_an_arm_that_only_points_down_has_a_verified_plan(name, tmp_path):
     arm = robot(written(name, tmp_path))
     tried = trial(arm, "fingers")
