@@ -116,7 +116,10 @@ def test_a_wall_without_a_mask_is_matter_in_every_look(walled):
         assert MATTER in Situation(scene).solids
 
 
-@pytest.mark.parametrize("name", ["panda", "panda-suction", "iiwa", "xarm6"])
+OTHERS = (pytest.param(name, marks=pytest.mark.slow) for name in ("panda-suction", "iiwa", "xarm6"))
+
+
+@pytest.mark.parametrize("name", ["panda", *OTHERS])
 def test_an_arm_in_the_picture_is_no_matter_wherever_it_stands(world, name):
     arm = SimulatedArm(world, robot(name), pose_at(-0.45, 0.0, 0.0))
     cameras = around((0.0, 0.1, 0.03))
