@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from on_table import BASE
+from on_table import BASE, table
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import STEPS, FailureLog, TransferFailure
@@ -19,17 +19,10 @@ HOME = Station(ARM, BASE, np.array(ARM.home))
 def hemmed_in() -> Scene:
     """A low block in a narrow lane between two tall boxes: no hand comes in between."""
     rng = np.random.default_rng(0)
-    axis = np.arange(-0.45, 0.45, 0.008)
-    x, y = np.meshgrid(axis, axis)
     block = box("block", (0.05, 0.05, 0.03)).surface(2000, rng)
     tall = box("tall", (0.16, 0.06, 0.2)).surface(3000, rng)
-    clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
-        "block": block,
-        "left": tall + np.array([0.0, 0.062, 0.0]),
-        "right": tall - np.array([0.0, 0.062, 0.0]),
-    }
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    beside = {"left": tall + np.array([0.0, 0.062, 0.0]), "right": tall - np.array([0.0, 0.062, 0.0])}
+    return Scene({"table": table(), "block": block, **beside}, fixed=["table"], up=[0, 0, 1])
 
 
 @pytest.mark.slow
@@ -44,9 +37,7 @@ def test_what_bars_the_hand_is_taken_away_first_and_the_reason_says_so():
 
 def test_a_failure_says_step_check_configuration_and_who_bars():
     scene = hemmed_in()
-    lone = Scene(
-        {"table": scene.clouds["table"], "block": scene.clouds["block"]}, fixed=["table"], up=[0, 0, 1]
-    )
+    lone = scene.without("left").without("right")
     from topple.planner.grasp.candidates import grasp_candidates
 
     grasps = grasp_candidates("block", lone, ARM)  # found as if nothing stood beside

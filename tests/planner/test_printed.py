@@ -11,11 +11,8 @@ from topple.topology import Scene
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    book, mug, far = (
-        box("book", (0.2, 0.15, 0.04)),
-        box("mug", (0.08, 0.08, 0.1)),
-        box("far", (0.05, 0.05, 0.1)),
-    )
+    book, mug = box("book", (0.2, 0.15, 0.04)), box("mug", (0.08, 0.08, 0.1))
+    far = box("far", (0.05, 0.05, 0.1))
     return on_table((book, (0, 0, 0)), (mug, (0, 0, 0.04)), (far, (0.3, 0.3, 0)), points=600)
 
 

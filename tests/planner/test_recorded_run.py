@@ -48,10 +48,8 @@ def played() -> Iterator[Played]:
 
 def test_the_run_succeeds_and_says_what_it_did(played):
     assert played.record.success, played.record.violations
-    assert [(step.object, step.action) for step in played.record.steps] == [
-        ("block", "remove"),
-        ("plate", "free"),
-    ]
+    taken = [(step.object, step.action) for step in played.record.steps]
+    assert taken == [("block", "remove"), ("plate", "free")]
     for step in played.record.steps:
         assert step.slip is not None and step.slip[0] < 0.01
         assert step.to_json()["slip"] == list(step.slip)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from on_table import BASE
+from on_table import BASE, table
 
 from topple.planner import NoSafePlan, order, plan, rank_grasps
 from topple.planner.formats.run_record import RunRecord, StepRecord
@@ -25,10 +25,9 @@ from topple.topology.situation.situation import Situation
 
 def stack(seed: int = 0) -> Scene:
     rng = np.random.default_rng(seed)
-    x, y = np.meshgrid(np.arange(-0.3, 0.3, 0.01), np.arange(-0.3, 0.3, 0.01))
     return Scene(
         {
-            "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
+            "table": table(0.3, 0.01),
             "lower": box("lower", (0.06, 0.06, 0.06)).surface(900, rng),
             "upper": box("upper", (0.05, 0.05, 0.05)).surface(900, rng) + np.array([0.0, 0.0, 0.0605]),
         },

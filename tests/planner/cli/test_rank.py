@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from moving import at
+from on_table import table
 
 from topple.robots.shapes.boxes import box
 
@@ -15,10 +16,8 @@ BASE = ("--base", "-0.5", "0", "0", "0")
 def scene(tmp_path: Path) -> Path:
     """A block on a block on a table; the blocks are called 1 and 2."""
     rng = np.random.default_rng(0)
-    axis = np.arange(-0.3, 0.3, 0.008)
-    x, y = np.meshgrid(axis, axis)
     clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
+        "table": table(0.3),
         "1": box("1", (0.05, 0.05, 0.05)).surface(3000, rng),
         "2": box("2", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0505]),
     }

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import table
 
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.jaw import hand_shape
@@ -23,14 +24,8 @@ def seen(body: Body, place: tuple[float, float, float] = (0.0, 0.0, 0.0), noise:
     return points + rng.normal(0.0, noise, points.shape)
 
 
-def table() -> np.ndarray:
-    axis = np.arange(-0.4, 0.4, 0.006)
-    x, y = np.meshgrid(axis, axis)
-    return np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-
-
 def on_table(**clouds: np.ndarray) -> Scene:
-    return Scene({"table": table(), **clouds}, fixed=["table"], up=[0, 0, 1], viewpoints=VIEWS)
+    return Scene({"table": table(0.4, 0.006), **clouds}, fixed=["table"], up=[0, 0, 1], viewpoints=VIEWS)
 
 
 def tips(grasp: Grasp) -> np.ndarray:

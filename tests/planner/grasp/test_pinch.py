@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import table
 
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
@@ -20,15 +21,9 @@ HAND = hand_shape(robot("panda"))
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def table() -> np.ndarray:
-    axis = np.arange(-0.3, 0.3, 0.006)
-    x, y = np.meshgrid(axis, axis)
-    return np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-
-
 def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
     rng = np.random.default_rng(3)
-    found = {"table": table()}
+    found = {"table": table(0.3, 0.006)}
     for name, (body, place) in bodies.items():
         points = body.surface(5000, rng) + np.array(place)
         found[name] = points + rng.normal(0.0, 0.0005, points.shape)
@@ -122,7 +117,9 @@ def test_pads_close_on_the_ends_of_a_thing_and_not_where_the_hand_stops_to_look(
     lying = mug().surface(8000, np.random.default_rng(5)) @ np.array([[0, 0, -1.0], [0, 1, 0], [1, 0, 0]]).T
     lying[:, 2] -= lying[:, 2].min()
     seen = lying[lying[:, 2] > 0.02] + np.random.default_rng(6).normal(0.0, 0.0005, (1, 3))
-    surface, _, found = searched(Scene({"table": table(), "mug": seen}, fixed=["table"], up=UP), "mug")
+    surface, _, found = searched(
+        Scene({"table": table(0.3, 0.006), "mug": seen}, fixed=["table"], up=UP), "mug"
+    )
     pinched = [pinch for at_point in found for pinch in at_point]
     assert pinched, "by its handle or its rim"
     for pinch in pinched:

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import table
 
 from topple.planner.placement.placement import placements
 from topple.planner.placement.resting import resting_poses
@@ -27,10 +28,7 @@ def tilted(body: Body, angle: float, lift: float = 0.0, aside: float = 0.0) -> n
 
 
 def on_table(size: float = 0.5, **clouds: np.ndarray) -> Scene:
-    axis = np.arange(-size, size, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-    return Scene({"table": table, **clouds}, fixed=["table"], up=UP)
+    return Scene({"table": table(size), **clouds}, fixed=["table"], up=UP)
 
 
 def after(scene: Scene, name: str, pose: np.ndarray) -> np.ndarray:

@@ -23,10 +23,7 @@ NOTHING = DependencyGraph.of(("plate", "on", "beside"), ())
 def scene() -> Scene:
     """A can on a plate, another beside it."""
     rng = np.random.default_rng(0)
-    on, beside = (
-        shapes.can("on", diameter=0.06, height=0.08),
-        shapes.can("beside", diameter=0.06, height=0.08),
-    )
+    on, beside = (shapes.can(name, diameter=0.06, height=0.08) for name in ("on", "beside"))
     table = np.column_stack([rng.uniform(-0.3, 0.5, (3000, 2)), np.zeros(3000)])
     return Scene(
         {

@@ -39,14 +39,8 @@ def is_the_stack(scene: Scene) -> bool:
 
 def records(points: np.ndarray, **more: np.ndarray) -> np.ndarray:
     """A structured array, as a PointCloud2 is read: floats of four bytes, colour beside the place."""
-    kinds = [
-        ("x", "<f4"),
-        ("y", "<f4"),
-        ("z", "<f4"),
-        ("rgb", "<u4"),
-        *((name, v.dtype) for name, v in more.items()),
-    ]
-    array = np.zeros(len(points), dtype=kinds)
+    kinds = [(axis, "<f4") for axis in "xyz"] + [("rgb", "<u4")]
+    array = np.zeros(len(points), dtype=kinds + [(name, v.dtype) for name, v in more.items()])
     for axis, column in zip("xyz", points.T, strict=True):
         array[axis] = column
     for name, values in more.items():
