@@ -76,7 +76,7 @@ def bowl(size: str) -> Body:
     return shapes.bowl(diameter=diameter, height=height)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 20.0])
+@pytest.mark.parametrize("tilt", [20.0, pytest.param(0.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "container",
     [bowl("small"), bowl("salad"), shapes.mug(diameter=0.1, height=0.07)],
@@ -103,7 +103,7 @@ def test_what_sticks_out_is_partial_within(container, content, turned):
     assert tilted.between(content.name, container.name).relation is Relation.PARTIAL_WITHIN
 
 
-@pytest.mark.parametrize("length", [0.16, 0.22])
+@pytest.mark.parametrize("length", [0.22, pytest.param(0.16, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("apart", [0.0, 0.03])
 def test_a_banana_contains_nothing(length, apart):
     banana, ball = shapes.banana(length=length), shapes.ball(diameter=0.04)
