@@ -26,7 +26,7 @@ NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?")
 
 
 @pytest.mark.parametrize(("chart", "page"), [("reliability", "benchmarks/truth.md"), ("held", "README.md")])
-def test_charts_show_the_tables(chart: str, page: str) -> None:
+def test_charts_show_the_tables(chart, page):
     draw = runpy.run_path(str(ROOT / "docs" / "figures" / "charts.py"))[chart]
     drawn = (ROOT / "docs" / "figures" / f"{chart}.svg").read_text(encoding="utf-8")
     assert drawn == draw((ROOT / page).read_text(encoding="utf-8")) and drawn.count("<circle") >= 5
@@ -86,7 +86,7 @@ def stands(figure: str, among: list[float]) -> bool:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_figures_stand_in_the_rows_that_their_marks_name(page: Path) -> None:
+def test_figures_stand_in_the_rows_that_their_marks_name(page):
     for line in page.read_text(encoding="utf-8").splitlines():
         if mark := MARK.search(line):
             among = known(mark)
@@ -98,7 +98,7 @@ def test_figures_stand_in_the_rows_that_their_marks_name(page: Path) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_every_share_has_a_mark_or_comes_from_a_command(page: Path) -> None:
+def test_every_share_has_a_mark_or_comes_from_a_command(page):
     lines = MADE.sub("", page.read_text(encoding="utf-8")).splitlines()
     bare = [line for line in lines if SHARE.search(bared(line)) and not MARK.search(line)]
     assert not bare, "say from where: <!--run.md: words of the row-->"

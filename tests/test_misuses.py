@@ -101,9 +101,7 @@ def misuses(function: Any) -> Iterator[tuple[str, str, dict[str, Any]]]:
 
 
 @pytest.mark.parametrize("name", CALLED)
-def test_wrong_kinds_are_used_or_refused_and_nothing_raw_comes_out(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_wrong_kinds_are_used_or_refused_and_nothing_raw_comes_out(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # some are names of files to be written
     raw: list[str] = []
     for argument, kind, given in misuses(CALLED[name]):
@@ -116,7 +114,7 @@ def test_wrong_kinds_are_used_or_refused_and_nothing_raw_comes_out(
     assert not raw
 
 
-def test_hundreds_of_misuses_are_generated() -> None:
+def test_hundreds_of_misuses_are_generated():
     assert sum(1 for function in CALLED.values() for _ in misuses(function)) > 5000
 
 
@@ -135,7 +133,7 @@ def test_hundreds_of_misuses_are_generated() -> None:
         ("DepthImage", {"names": ["cup"]}, r"^names is of <class 'list'>: expected Mapping\[int, str\]$"),
     ],
 )
-def test_what_is_wrong_is_said_with_what_is_expected(name: str, given: dict[str, Any], told: str) -> None:
+def test_what_is_wrong_is_said_with_what_is_expected(name, given, told):
     function = CALLED[name]
     needed = [
         each.name for each in inspect.signature(function).parameters.values() if each.default is each.empty
@@ -144,12 +142,12 @@ def test_what_is_wrong_is_said_with_what_is_expected(name: str, given: dict[str,
         function(**{**{each: RIGHT[each] for each in needed}, **given})
 
 
-def test_pictures_are_no_names_of_files() -> None:
+def test_pictures_are_no_names_of_files():
     with pytest.raises(InvalidInput, match=r"^images\[0\] is 'a.npz': expected DepthImage$"):
         Scene.from_images(["a.npz"])  # type: ignore[list-item]
 
 
-def test_what_numpy_and_people_write_arrives_as_annotated() -> None:
+def test_what_numpy_and_people_write_arrives_as_annotated():
     image = DepthImage(np.ones((4, 6)), K.tolist(), np.ones((4, 6)), names={np.int64(1): "cup"})  # type: ignore[arg-type]
     assert image.names == {1: "cup"}
     found = topple.order(SCENE, {"high"}, seed=np.int64(3), hands=np.int64(1))  # type: ignore[arg-type]
@@ -159,7 +157,7 @@ def test_what_numpy_and_people_write_arrives_as_annotated() -> None:
 @pytest.mark.parametrize(
     "name", ["build_order", "dependencies", "next_view", "order", "relate", "rearrange", "run"]
 )
-def test_a_path_is_taken_wherever_a_scene_is(name: str) -> None:
+def test_a_path_is_taken_wherever_a_scene_is(name):
     goal = {"goal": "low on high"} if name in ("run", "rearrange") else {}
     with pytest.raises(InvalidInput, match=r"^nowhere\.npz: no such file"):
         CALLED[name]("nowhere.npz", **goal)

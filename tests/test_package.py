@@ -69,12 +69,12 @@ def _printed(code: str) -> tuple[str, str]:
     return done.stdout, done.stderr
 
 
-def test_the_distribution_is_not_the_other_topple_of_pypi() -> None:
+def test_the_distribution_is_not_the_other_topple_of_pypi():
     assert DISTRIBUTION == "topple-planner"
     assert topple.__version__ == version("topple-planner")
 
 
-def test_no_text_asks_a_package_index_for_topple() -> None:
+def test_no_text_asks_a_package_index_for_topple():
     assert {"README.md", "CONTRIBUTING.md", "install.md", "ros.md"} <= {path.name for path in TEXTS}
     for path, text in TEXTS.items():
         asked = re.findall(r"pip install [^`\n]*\btopple[-_][^`\n]*|topple-planner\[[^`\n]*", text)
@@ -82,7 +82,7 @@ def test_no_text_asks_a_package_index_for_topple() -> None:
         assert not re.findall(r"pip install [^`\n]*\btopple\b(?![-_])", text), path
 
 
-def test_every_public_name_of_the_front_door_is_there() -> None:
+def test_every_public_name_of_the_front_door_is_there():
     for name in topple.__all__:
         assert getattr(topple, name) is not None
     with pytest.raises(AttributeError, match="'topple' has no attribute 'pile'"):
@@ -100,13 +100,14 @@ STABLE = {
 """Names that programs of others import: they stay whatever lies behind them."""
 
 
-def test_names_that_others_import_stay() -> None:
+def test_names_that_others_import_stay():
     for package, names in STABLE.items():
         for name in names.split():
             assert callable(getattr(package, name)), name
 
 
-def test_what_a_program_uses_is_listed_and_typed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("checker", ["ty", pytest.param("mypy", marks=pytest.mark.slow)])
+def test_what_a_program_uses_is_listed_and_typed(checker, tmp_path):
     packages = (topple, topple.topology, topple.robots, topple.planner)
     for package in packages:
         assert set(package.__all__) <= set(dir(package))
@@ -117,12 +118,14 @@ def test_what_a_program_uses_is_listed_and_typed(tmp_path: Path) -> None:
     every = f"every: list[object] = [{', '.join(names)}]"
     program.write_text(f"{modules}{PROGRAM}\n{every}\n", encoding="utf-8")
     source = ["--config-file", "", "--cache-dir", str(tmp_path), "--follow-imports", "silent"]
-    for checker in (["mypy", "--strict", *source], ["ty", "check", "--python", sys.executable]):
-        done = subprocess.run([sys.executable, "-m", *checker, str(program)], capture_output=True, text=True)
-        assert done.returncode == 0, done.stdout + done.stderr
+    argv = {"mypy": ["--strict", *source], "ty": ["check", "--python", sys.executable]}[checker]
+    done = subprocess.run(
+        [sys.executable, "-m", checker, *argv, str(program)], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_plans_and_scenes_come_back_from_their_files(tmp_path: Path) -> None:
+def test_plans_and_scenes_come_back_from_their_files(tmp_path):
     grid = np.stack(np.meshgrid(*[np.linspace(-0.3, 0.3, 40)] * 2, [0.0]), axis=-1).reshape(-1, 3)
     ball = np.random.default_rng(0).normal(size=(600, 3))
     ball = 0.03 * ball / np.linalg.norm(ball, axis=1, keepdims=True) + [0.0, 0.0, 0.03]
@@ -140,12 +143,12 @@ def test_plans_and_scenes_come_back_from_their_files(tmp_path: Path) -> None:
         topple.Plan.load(tmp_path / "nowhere.json")
 
 
-def test_the_package_is_a_command() -> None:
+def test_the_package_is_a_command():
     done = subprocess.run([sys.executable, "-m", "topple", "--version"], capture_output=True, text=True)
     assert done.stdout == f"topple {topple.__version__}, {path_in_words()}\n"
 
 
-def test_the_front_door_is_light() -> None:
+def test_the_front_door_is_light():
     heavy = "{'numpy', 'scipy', 'pybullet'}"
     assert _printed(f"import sys, topple; print(sorted({heavy} & set(sys.modules)))") == ("[]\n", "")
     asked = "import sys, topple; topple.order, topple.relate, topple.load_scene"
@@ -153,12 +156,12 @@ def test_the_front_door_is_light() -> None:
     assert _printed(f"{asked}; print(sorted({heavy} & set(sys.modules)))") == ("[]\n", "")
 
 
-def test_the_engine_comes_without_its_greeting() -> None:
+def test_the_engine_comes_without_its_greeting():
     pytest.importorskip("pybullet")
     assert _printed("import topple.robots.world.world") == ("", "")
 
 
-def test_a_missing_part_is_wrong_use_that_names_its_packages() -> None:
+def test_a_missing_part_is_wrong_use_that_names_its_packages():
     required = " ".join(requires("topple-planner") or ())
     extras = set(re.findall(r"extra == ['\"](\w+)", required))
     named = {
@@ -185,9 +188,7 @@ def test_a_missing_part_is_wrong_use_that_names_its_packages() -> None:
         ("3.11", "aarch64", False),
     ],
 )
-def test_pybullet_is_required_where_it_has_a_wheel_and_nowhere_else(
-    python: str, machine: str, expected: bool
-) -> None:
+def test_pybullet_is_required_where_it_has_a_wheel_and_nowhere_else(python, machine, expected):
     needed = map(Requirement, requires("topple-planner") or ())
     markers = [r.marker for r in needed if "pybullet" in r.name and "extra" not in str(r.marker)]
     platform = {"platform_system": "Linux", "platform_machine": machine, "implementation_name": "cpython"}
@@ -195,7 +196,7 @@ def test_pybullet_is_required_where_it_has_a_wheel_and_nowhere_else(
     assert sum(marker is not None and marker.evaluate(here) for marker in markers) == expected
 
 
-def test_the_badges_say_what_is_stated() -> None:
+def test_the_badges_say_what_is_stated():
     badges = re.findall(r"<text [^>]*>([^<]+)</text>", (ROOT / "docs/figures/badges.svg").read_text("utf-8"))
     said = dict(zip(badges[::2], badges[1::2], strict=True))
     about = metadata("topple-planner")
@@ -208,7 +209,7 @@ def test_the_badges_say_what_is_stated() -> None:
     assert f"Python {pythons[0]} to {pythons[-1]}, {said['licence']} licence" in TEXTS[ROOT / "README.md"]
 
 
-def test_the_floor_plan_names_every_room() -> None:
+def test_the_floor_plan_names_every_room():
     drawn = re.findall(r"class='name'>(\w+)/<", (ROOT / "docs/figures/floor_plan.svg").read_text("utf-8"))
     layers = ("topology", "robots", "planner")
     rooms = [room.parent.name for layer in layers for room in (ROOT / layer).glob("*/__init__.py")]
@@ -216,7 +217,7 @@ def test_the_floor_plan_names_every_room() -> None:
 
 
 @pytest.mark.parametrize(("layer", "most"), [("topology", 36), ("robots", 49), ("planner", 69)])
-def test_thresholds_stand_in_the_tolerances(layer: str, most: int) -> None:
+def test_thresholds_stand_in_the_tolerances(layer, most):
     files = [path for path in (ROOT / layer).rglob("*.py") if path.name != "tolerances.py"]
     found = [f"{path.relative_to(ROOT)}: {name}" for path in files for name in _numbers(TEXTS[path])]
     assert len(found) <= most, "\n".join(["move to the tolerances what decides anything:", *found])

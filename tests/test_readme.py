@@ -71,7 +71,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 
 @pytest.mark.slow
-def test_the_readme_works_line_by_line_in_a_bare_shell(tmp_path: Path) -> None:
+def test_the_readme_works_line_by_line_in_a_bare_shell(tmp_path):
     here = shutil.copytree(ROOT, tmp_path / "topple", symlinks=True, ignore=shutil.ignore_patterns(".*"))
     blocks = _blocks(PAGES[0])
     typed = [
@@ -98,12 +98,12 @@ def test_the_readme_works_line_by_line_in_a_bare_shell(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_every_command_and_python_block_runs(outputs: dict[str, str]) -> None:
+def test_every_command_and_python_block_runs(outputs):
     assert len(outputs) == len(_steps()) >= 10
 
 
 @pytest.mark.slow
-def test_output_the_readme_shows_is_what_the_commands_print(outputs: dict[str, str]) -> None:
+def test_output_the_readme_shows_is_what_the_commands_print(outputs):
     lines = _lines([line for output in outputs.values() for line in output.splitlines()])
     assert any(language == "text" for language, _ in BLOCKS)
     for language, text in BLOCKS:
@@ -112,7 +112,7 @@ def test_output_the_readme_shows_is_what_the_commands_print(outputs: dict[str, s
 
 
 @pytest.mark.slow
-def test_the_plate_comes_after_all_that_is_on_it(outputs: dict[str, str]) -> None:
+def test_the_plate_comes_after_all_that_is_on_it(outputs):
     tables = [
         output
         for step, output in outputs.items()
@@ -126,7 +126,7 @@ def test_the_plate_comes_after_all_that_is_on_it(outputs: dict[str, str]) -> Non
 
 
 @pytest.mark.slow
-def test_the_python_block_relates_orders_and_plans(outputs: dict[str, str]) -> None:
+def test_the_python_block_relates_orders_and_plans(outputs):
     printed = next(
         output.splitlines() for step, output in outputs.items() if step.startswith("import topple")
     )
@@ -135,15 +135,15 @@ def test_the_python_block_relates_orders_and_plans(outputs: dict[str, str]) -> N
     assert printed[-1] == "plan: free can, verified: True"
 
 
-def test_the_readme_is_one_screen() -> None:
+def test_the_readme_is_one_screen():
     assert len(README.split()) < MOST_WORDS
 
 
-def test_the_table_of_commands_names_all_there_are() -> None:
+def test_the_table_of_commands_names_all_there_are():
     assert set(re.findall(r"^\| `topple (\w+) ", COMMANDS_PAGE, re.MULTILINE)) == set(COMMANDS)
 
 
-def test_links_lead_to_files_and_headings() -> None:
+def test_links_lead_to_files_and_headings():
     followed = 0
     for page in PAGES:
         for target, heading in re.findall(r"\]\(([^)#:]*)(?:#([^)]+))?\)", page.read_text(encoding="utf-8")):

@@ -28,7 +28,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_every_public_name_is_in_the_reference(site: Path) -> None:
+def test_every_public_name_is_in_the_reference(site):
     packages = (topple.topology, topple.robots, topple.planner)
     for package in packages:
         page = (site / "api" / package.__name__.rpartition(".")[2] / "index.html").read_text(encoding="utf-8")
@@ -37,14 +37,14 @@ def test_every_public_name_is_in_the_reference(site: Path) -> None:
     assert set(topple.__all__) - {"__version__"} <= {name for package in packages for name in package.__all__}
 
 
-def test_options_in_tables_read_as_they_are_typed(site: Path) -> None:
+def test_options_in_tables_read_as_they_are_typed(site):
     html = (site / "commands" / "index.html").read_text(encoding="utf-8")
     cell = re.search(r"<td><code>topple relate(.*?)</code>", html)
     assert cell is not None and "\\" not in cell[1]
     assert '<span class="whole">--jobs</span> N | <span class="whole">--cluster</span>' in cell[1]
 
 
-def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
+def test_nothing_is_fetched_from_elsewhere(site):
     pages = sorted(site.rglob("*.html"))
     assert len(pages) > 30
     for page in pages:
@@ -54,7 +54,7 @@ def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
         assert fetched == [], page
 
 
-def test_broken_links_stop_the_build(tmp_path: Path) -> None:
+def test_broken_links_stop_the_build(tmp_path):
     spoilt = "# Here\n\n[page](gone.md) ![picture](gone.png) [heading](index.md#gone)\n"
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "index.md").write_text(spoilt, encoding="utf-8")

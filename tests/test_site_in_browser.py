@@ -50,7 +50,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("colours", ["light", "dark"])
-def test_pages_of_the_site_are_readable(address: str, colours: str) -> None:
+def test_pages_of_the_site_are_readable(address, colours):
     wrong: list[object] = []
     with api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])

@@ -49,7 +49,7 @@ def _commit(folder: Path) -> None:
     _git(folder, "commit", "-qm", "a step")
 
 
-def test_what_reaches_its_ceiling_passes(checkout: Path) -> None:
+def test_what_reaches_its_ceiling_passes(checkout):
     code, said = _said(checkout)
     assert code == 0, said
     assert "OVER" not in said
@@ -65,7 +65,7 @@ def test_what_reaches_its_ceiling_passes(checkout: Path) -> None:
         ("def f():\n    a = 1\n    return a\n", "longest"),
     ],
 )
-def test_what_passes_its_ceiling_is_told(checkout: Path, line: str, name: str) -> None:
+def test_what_passes_its_ceiling_is_told(checkout, line, name):
     with (checkout / "topology" / "room" / "one.py").open("a") as file:
         file.write(line)
     code, said = _said(checkout)
@@ -73,13 +73,13 @@ def test_what_passes_its_ceiling_is_told(checkout: Path, line: str, name: str) -
     assert any(row.startswith(name) and "OVER" in row for row in said.splitlines()), said
 
 
-def test_words_cost_nothing(checkout: Path) -> None:
+def test_words_cost_nothing(checkout):
     with (checkout / "topology" / "room" / "one.py").open("a") as file:
         file.write("# why\nfrom math import tau\n")
     assert _said(checkout)[0] == 0
 
 
-def test_rooms_that_import_each_other_are_a_knot(checkout: Path) -> None:
+def test_rooms_that_import_each_other_are_a_knot(checkout):
     for here, there in (("room", "other"), ("other", "room")):
         (checkout / "topology" / here).mkdir(exist_ok=True)
         text = f"def f():\n    from topple.topology.{there} import two\n"
@@ -90,7 +90,7 @@ def test_rooms_that_import_each_other_are_a_knot(checkout: Path) -> None:
 
 
 @pytest.mark.parametrize("committed", [False, True])
-def test_a_ceiling_is_raised_with_a_word_in_the_changelog_alone(checkout: Path, committed: bool) -> None:
+def test_a_ceiling_is_raised_with_a_word_in_the_changelog_alone(checkout, committed):
     _ceilings(checkout, code=9, numbers=1, literals=1, wide=1, longest=2, knots=0)
     if committed:
         _commit(checkout)

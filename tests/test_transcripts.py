@@ -29,13 +29,13 @@ def commands(page: Path) -> list[str]:
     return [line for language, text in blocks(page) if language == "sh" for line in text.splitlines() if line]
 
 
-def test_there_is_one_for_each_way_to_begin() -> None:
+def test_there_is_one_for_each_way_to_begin():
     assert [page.stem for page in PAGES] == ["arms", "bop", "frame", "grasps", "ros", "ur5e"]
     for page, (_, extra) in NEEDS.items():
         assert f"pip install '.[{extra}]'" in (ARMS.parent / f"{page}.md").read_text()
 
 
-def test_an_order_takes_fewer_than_five_commands() -> None:
+def test_an_order_takes_fewer_than_five_commands():
     for page in PAGES:
         assert 0 < len(commands(page)) < FEW or page == ARMS
         assert any(command.startswith("topple ") for command in commands(page))
@@ -51,7 +51,7 @@ def printed_by(text: str, folder: Path, language: str = "sh") -> set[str]:
     return {line.rstrip() for line in done.stdout.splitlines()}
 
 
-def test_ten_arms_have_their_command_each_from_the_file_that_the_table_names() -> None:
+def test_ten_arms_have_their_command_each_from_the_file_that_the_table_names():
     from topple.benchmarks.arms import SHIPPED
 
     typed = commands(ARMS)[2:]
@@ -63,7 +63,7 @@ def test_ten_arms_have_their_command_each_from_the_file_that_the_table_names() -
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", [page for page in PAGES if page != ARMS], ids=lambda page: page.stem)
-def test_what_is_typed_prints_what_is_shown(page: Path, tmp_path: Path) -> None:
+def test_what_is_typed_prints_what_is_shown(page, tmp_path):
     module, extra = NEEDS.get(page.stem, ("topple", ""))
     if subprocess.run([str(Path(BIN, "python")), "-c", f"import {module}"], capture_output=True).returncode:
         pytest.skip(f"{module} is not installed: pip install '.[{extra}]'")
@@ -91,7 +91,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", commands(ARMS)[2:], ids=lambda command: command.split()[7].split("/")[-1])
-def test_an_arm_of_a_package_plans_by_its_command(command: str, bench: Path) -> None:
+def test_an_arm_of_a_package_plans_by_its_command(command, bench):
     """Exit code 0: every check of `--verify` holds."""
     for word in command.split():
         if word.startswith("packages/") and not (bench / word).exists():

@@ -40,7 +40,7 @@ def _topple(folder: Path, *arguments: str, code: int = 0) -> tuple[str, str]:
 
 
 @pytest.mark.slow
-def test_relations_orders_and_pages_need_no_engine(folder: Path) -> None:
+def test_relations_orders_and_pages_need_no_engine(folder):
     related, _ = _topple(folder, "relate", "scene.npz", "--json")
     touching = {
         p["b"] for p in json.loads(related)["relations"] if p["a"] == "table" and p["relation"] == "touch"
@@ -53,19 +53,10 @@ def test_relations_orders_and_pages_need_no_engine(folder: Path) -> None:
 
 
 @pytest.mark.slow
-def test_an_arm_of_ones_own_plans_ranks_and_is_exported(folder: Path) -> None:
+def test_an_arm_of_ones_own_plans_ranks_and_is_exported(folder):
     models = pytest.importorskip("airo_models", reason="no URDF of an arm: airo-models is not installed")
-    arm = (
-        "--robot",
-        str(models.get_urdf_path("ur5e")),
-        "--gripper",
-        "cup.toml",
-        "--base",
-        "-0.5",
-        "0",
-        "0",
-        "0",
-    )
+    urdf = str(models.get_urdf_path("ur5e"))
+    arm = ("--robot", urdf, *"--gripper cup.toml --base -0.5 0 0 0".split())
     _topple(folder, "plan", "scene.npz", "--target", "box", *arm, "-o", "plan.json")
     plan = json.loads((folder / "plan.json").read_text(encoding="utf-8"))
     assert [step["object"] for step in plan["steps"]] == ["box"]
@@ -87,7 +78,7 @@ def test_an_arm_of_ones_own_plans_ranks_and_is_exported(folder: Path) -> None:
         ("plan", "scene.npz", "--target", "box"),
     ],
 )
-def test_what_needs_the_engine_says_so_in_one_line(folder: Path, command: tuple[str, ...]) -> None:
+def test_what_needs_the_engine_says_so_in_one_line(folder, command):
     printed, said = _topple(folder, *command, code=2)
     assert printed == ""
     assert said.splitlines()[-1].startswith("topple: ")
@@ -96,6 +87,6 @@ def test_what_needs_the_engine_says_so_in_one_line(folder: Path, command: tuple[
 
 
 @pytest.mark.skipif(find_spec("topple.benchmarks.clouds") is not None, reason="a checkout has the benches")
-def test_a_wheel_says_where_the_benches_are(folder: Path) -> None:
+def test_a_wheel_says_where_the_benches_are(folder):
     printed, said = _topple(folder, "bench", "run", "--quick", code=2)
     assert printed == "" and "works in a checkout of topple alone" in said.splitlines()[-1]

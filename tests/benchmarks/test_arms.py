@@ -18,12 +18,12 @@ ROWS = PAGE[PAGE.index(BEGIN) : PAGE.index(END)].splitlines()[3:]
 WORKING = [shipped for shipped in SHIPPED if not any(shipped.name in row and "**no**" in row for row in ROWS)]
 
 
-def test_the_page_has_every_arm_and_most_work() -> None:
+def test_the_page_has_every_arm_and_most_work():
     assert [row.split(" | ")[0].removeprefix("| ") for row in ROWS] == [shipped.name for shipped in SHIPPED]
     assert len(WORKING) >= 6
 
 
-def test_rows_of_some_arms_replace_theirs_and_the_others_stay() -> None:
+def test_rows_of_some_arms_replace_theirs_and_the_others_stay():
     row = ["Franka FR3", "franky-sim", "its own", "7", "0.00", "0", "0.0", "yes", "yes"]
     again = _together("\n".join(["| a |", "| - |", *ROWS]), [row])
     assert [cells[0] for cells in again] == [shipped.name for shipped in SHIPPED]
@@ -32,7 +32,7 @@ def test_rows_of_some_arms_replace_theirs_and_the_others_stay() -> None:
     assert row in again
 
 
-def test_a_package_that_is_missing_is_named_with_what_installs_it() -> None:
+def test_a_package_that_is_missing_is_named_with_what_installs_it():
     with pytest.raises(NotInstalled, match="example-robot-datum, which ships the arm, is not installed: pip"):
         Shipped("x", "example-robot-datum", "x.urdf", "x").arm()
     assert all(name in BARE for name in ("franky-sim", "robosuite", "mani-skill"))
@@ -59,7 +59,7 @@ def installed(shipped: Shipped) -> Arm:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shipped", WORKING, ids=lambda shipped: shipped.name)
-def test_an_arm_is_understood_planned_for_and_takes_the_block(shipped: Shipped) -> None:
+def test_an_arm_is_understood_planned_for_and_takes_the_block(shipped):
     if find_spec("collada") is None:
         pytest.skip("pycollada is not installed: pip install '.[arms]'")
     arm = installed(shipped)
@@ -69,7 +69,7 @@ def test_an_arm_is_understood_planned_for_and_takes_the_block(shipped: Shipped) 
     assert not planned(found)
 
 
-def test_the_arm_that_drops_the_block_cannot_carry_itself() -> None:
+def test_the_arm_that_drops_the_block_cannot_carry_itself():
     """A PR2 rests on springs that its URDF leaves out: gravity asks more of its shoulder than its effort."""
     (shipped,) = [shipped for shipped in SHIPPED if shipped not in WORKING]
     arm = installed(shipped)

@@ -1,7 +1,6 @@
 """Assemblies of others are told as their own equilibrium says, whole and without each block."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,13 +32,13 @@ LINTEL = {
 }
 
 
-def test_a_lintel_needs_both_of_its_posts() -> None:
+def test_a_lintel_needs_both_of_its_posts():
     assert stands(LINTEL)
     assert stands(LINTEL, "lintel")
     assert not stands(LINTEL, "left")
 
 
-def test_verdicts_that_differ_from_the_peer_are_named(tmp_path: Path) -> None:
+def test_verdicts_that_differ_from_the_peer_are_named(tmp_path):
     (tmp_path / "lintel.json").write_text(json.dumps(LINTEL))
     (tmp_path / "other.json").write_text(
         json.dumps({**LINTEL, "stands": False, "without": {"left": True, "right": None}})
@@ -50,6 +49,6 @@ def test_verdicts_that_differ_from_the_peer_are_named(tmp_path: Path) -> None:
     assert removals["wrong"] == ["other without left"]
 
 
-def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
+def test_an_empty_folder_is_refused(tmp_path):
     with pytest.raises(InvalidInput, match="assemblies need --data DIR"):
         rows(False, 0, lambda _: None, tmp_path)

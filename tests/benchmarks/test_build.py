@@ -23,7 +23,7 @@ def balance() -> Pile:
     return Pile(bodies, {body.name: pose for body, pose in zip(bodies, places, strict=True)})
 
 
-def test_a_plank_falls_without_its_counterweight_unless_it_is_held(balance: Pile) -> None:
+def test_a_plank_falls_without_its_counterweight_unless_it_is_held(balance):
     found = build_order(observe(balance, 0, 0))
     assert [(hold.object, hold.until) for hold in found.holds] == [("plank", "weight")]
     trial = Trial(balance)
@@ -31,7 +31,7 @@ def test_a_plank_falls_without_its_counterweight_unless_it_is_held(balance: Pile
     assert trial.stands(found.order, found) == [True, True, True]
 
 
-def test_a_plank_falls_as_its_counterweight_is_lifted_unless_it_is_held(balance: Pile) -> None:
+def test_a_plank_falls_as_its_counterweight_is_lifted_unless_it_is_held(balance):
     found = order(observe(balance, 0, 0))
     assert [(hold.object, hold.since) for hold in found.holds] == [("plank", "weight")]
     trial = Trial(balance)
@@ -39,12 +39,12 @@ def test_a_plank_falls_as_its_counterweight_is_lifted_unless_it_is_held(balance:
     assert trial.cleared(found.order, found.holds)
 
 
-def test_what_comes_from_above_may_not_pass_what_stands(balance: Pile) -> None:
+def test_what_comes_from_above_may_not_pass_what_stands(balance):
     assert Trial(balance).stands(("plank", "weight", "pier"))[-1] is False
 
 
 @pytest.mark.parametrize("seed", [3, 10])
-def test_an_arrangement_stands_and_is_the_same_for_the_same_seed(seed: int) -> None:
+def test_an_arrangement_stands_and_is_the_same_for_the_same_seed(seed):
     (kind, first), (_, second) = arrangement(seed), arrangement(seed)
     assert kind in KINDS
     assert first.poses.keys() == second.poses.keys()

@@ -1,7 +1,6 @@
 """ClutterNav's piles: a seed is one, and what a lift drags along counts."""
 
 import numpy as np
-import pytest
 
 from topple.benchmarks import clutternav
 from topple.benchmarks.clutternav import _take, make_pile, rows
@@ -10,7 +9,7 @@ from topple.robots.shapes import box
 from topple.robots.world.world import World
 
 
-def test_a_lift_moves_what_lies_on_it_and_takes_away_itself_alone() -> None:
+def test_a_lift_moves_what_lies_on_it_and_takes_away_itself_alone():
     with World() as world:
         world.add_table()
         for name, x, z in (("low", 0.0, 0.0), ("high", 0.0, 0.06), ("aside", 0.3, 0.0)):
@@ -21,7 +20,7 @@ def test_a_lift_moves_what_lies_on_it_and_takes_away_itself_alone() -> None:
         assert _take(world, "aside") == 0
 
 
-def test_a_seed_is_a_pile_and_its_rows_tell_three_orders(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_seed_is_a_pile_and_its_rows_tell_three_orders(monkeypatch):
     monkeypatch.setattr(clutternav, "EACH", 2)
     monkeypatch.setattr(clutternav, "QUICK", 1)
     (pile, target), (again, same) = make_pile(2000), make_pile(2000)

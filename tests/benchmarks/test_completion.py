@@ -11,12 +11,12 @@ def _cuboid(x: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("shift", "share"), [(0.0, 1.0), (0.05, 1 / 3), (0.2, 0.0)])
-def test_the_overlap_of_two_cuboids_is_what_they_share(shift: float, share: float) -> None:
+def test_the_overlap_of_two_cuboids_is_what_they_share(shift, share):
     assert overlap(_cuboid(0.0), _cuboid(shift), seed=0) == pytest.approx(share, abs=0.02)
 
 
 @pytest.mark.slow
-def test_completed_bodies_have_more_of_the_true_ones_than_was_seen() -> None:
+def test_completed_bodies_have_more_of_the_true_ones_than_was_seen():
     rows = completion_rows(0, 1, lambda text: None)
     one, known = (row for row in rows if row.bar == ">= 80")
     assert one.baseline_value is not None

@@ -27,7 +27,7 @@ def cube(side: float, *place: float) -> Solid:
         (cube(0.04), "contains"),
     ],
 )
-def test_what_is_clear_is_told_and_its_converse_too(other: Solid, relation: str) -> None:
+def test_what_is_clear_is_told_and_its_converse_too(other, relation):
     found = nine_intersections(cube(0.1), other, NOISE)
     assert found.cells == RELATIONS[relation] and found.possible == (relation,)
     assert nine_intersections(other, cube(0.1), NOISE).possible == (CONVERSE.get(relation, relation),)
@@ -35,12 +35,12 @@ def test_what_is_clear_is_told_and_its_converse_too(other: Solid, relation: str)
 
 @pytest.mark.parametrize("gap", [-0.001, 0.0, 0.001])
 @pytest.mark.parametrize("noise", [0.0015, 0.004])
-def test_touch_is_never_told_from_a_gap_or_an_overlap_within_the_noise(gap: float, noise: float) -> None:
+def test_touch_is_never_told_from_a_gap_or_an_overlap_within_the_noise(gap, noise):
     found = nine_intersections(cube(0.1), cube(0.1, 0.1 + gap, 0, 0), noise)
     assert found.possible == ("disjoint", "meet", "overlap")
 
 
-def test_the_truth_is_always_among_what_is_possible() -> None:
+def test_the_truth_is_always_among_what_is_possible():
     rng = np.random.default_rng(0)
     for _ in range(60):
         side, place = rng.uniform(0.03, 0.2), rng.uniform(-0.15, 0.15, 3)
@@ -55,7 +55,7 @@ def test_the_truth_is_always_among_what_is_possible() -> None:
         assert abs(reach) < 3 * NOISE or true not in ("disjoint", "overlap") or found.possible == (true,)
 
 
-def test_a_solid_of_several_parts_has_no_surface_between_them() -> None:
+def test_a_solid_of_several_parts_has_no_surface_between_them():
     corners = cube(0.1).hulls[0].vertices
     two = Solid.of("bar", (corners, corners + np.array([0.06, 0, 0])))
     inner = nine_intersections(cube(0.02, 0.03, 0, 0), two, NOISE)
@@ -77,19 +77,19 @@ def stack() -> Scene:
     return Scene(clouds, fixed=["table"], up=[0, 0, 1])
 
 
-def test_of_a_scene_it_says_touch_where_that_is_possible(stack: Scene) -> None:
+def test_of_a_scene_it_says_touch_where_that_is_possible(stack):
     found = nine(stack)
     assert found["low", "top"] is Relation.TOUCH and found["top", "apart"] is Relation.DISJOINT
     there = {**stack.clouds, "top": stack.clouds["top"] + np.array([0.0, 0.2, -0.0802])}
     assert nine(Scene(there, fixed=["table"], up=[0, 0, 1]))["low", "top"] is Relation.DISJOINT
 
 
-def test_support_features_tell_what_carries(stack: Scene) -> None:
+def test_support_features_tell_what_carries(stack):
     found = support_features(stack)
     assert found["low", "top"] is Relation.TOUCH and found["table", "low"] is Relation.TOUCH
     assert found["table", "top"] is Relation.DISJOINT
 
 
-def test_a_support_tree_takes_the_highest_level_first(stack: Scene) -> None:
+def test_a_support_tree_takes_the_highest_level_first(stack):
     pairs, order = support_tree(stack)
     assert pairs == {("top", "low")} and order[0] == "top" and set(order) == {"low", "top", "apart"}

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,12 +19,12 @@ def _ending(seed: int, how: str = "success", used: float = 0.1) -> Ending:
     return Ending(Episode("pile", seed), how, used=used)
 
 
-def test_played_by_default_is_the_first_seed_that_succeeds_by_a_wide_margin() -> None:
+def test_played_by_default_is_the_first_seed_that_succeeds_by_a_wide_margin():
     endings = [_ending(0, "disturbed", 2.0), _ending(1, used=0.9), _ending(2), _ending(3)]
     assert count_of(endings) == SeedCount((0, 1, 2, 3), (1, 2, 3), 2)
 
 
-def test_played_by_default_is_a_seed_that_succeeds_turned_a_degree_and_rougher_or_smoother() -> None:
+def test_played_by_default_is_a_seed_that_succeeds_turned_a_degree_and_rougher_or_smoother():
     assert {(e.turned, e.friction) for e in variants("pile", 1)} == {
         (0.0, 1.0), (1.0, 1.0), (359.0, 1.0), (0.0, 0.8), (0.0, 1.2)
     }  # fmt: skip
@@ -40,7 +39,7 @@ def test_played_by_default_is_a_seed_that_succeeds_turned_a_degree_and_rougher_o
     assert default_of("pile", count, lambda some: [Ending(e, "hit") for e in some]) == 1
 
 
-def test_a_scene_is_played_turned_and_smoother_as_the_episode_says() -> None:
+def test_a_scene_is_played_turned_and_smoother_as_the_episode_says():
     with scenario("swap", 0) as stage, copied(stage.world, Episode("swap", 0, turned=359.0)) as turned:
         smooth = copied(stage.world, Episode("swap", 0, friction=0.8))
         for name in stage.world.movable:
@@ -52,23 +51,23 @@ def test_a_scene_is_played_turned_and_smoother_as_the_episode_says() -> None:
         smooth.close()
 
 
-def test_where_all_that_succeed_are_close_the_least_close_is_played() -> None:
+def test_where_all_that_succeed_are_close_the_least_close_is_played():
     count = count_of([_ending(0, used=0.9), _ending(1, used=0.7), _ending(2, "hit", 0.0)])
     assert count is not None and count.default == 1
 
 
-def test_a_scene_that_was_not_played_has_no_count() -> None:
+def test_a_scene_that_was_not_played_has_no_count():
     assert count_of([]) is None
     assert counted("opera") is None
     assert default_seed("opera") == 0
 
 
-def test_a_count_in_words_says_which_seeds_it_is_of() -> None:
+def test_a_count_in_words_says_which_seeds_it_is_of():
     assert str(SeedCount((0, 1, 2), (0, 2), 0)) == "of seeds 0 to 2, 2 reach the goal with nothing disturbed"
     assert str(SeedCount((0, 4), (), 0)) == "of 2 seeds from 0 to 4, 0 reach the goal with nothing disturbed"
 
 
-def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tells(tmp_path: Path) -> None:
+def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tells(tmp_path):
     with Journal(tmp_path / "runs.jsonl") as book:
         for name in SCENARIOS:
             for episode in variants(name, 7):
@@ -87,7 +86,7 @@ def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tell
 
 
 @pytest.mark.parametrize("name", list(SCENARIOS))
-def test_every_demo_has_a_count_and_plays_a_seed_that_succeeded(name: str) -> None:
+def test_every_demo_has_a_count_and_plays_a_seed_that_succeeded(name):
     count = counted(name)
     assert count is not None
     assert default_seed(name) in count.reached

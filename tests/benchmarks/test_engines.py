@@ -1,8 +1,5 @@
 """Both engines side by side: only seeds played on both count, and each that differs is told of."""
 
-import json
-from pathlib import Path
-
 import pytest
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
@@ -10,7 +7,6 @@ pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mu
 from topple.benchmarks.engines import compared, rows
 from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.journal import Journal
-from topple.planner.cli.main import main
 from topple.robots.engines import BULLET, ENGINES, MUJOCO
 
 
@@ -22,7 +18,7 @@ def _pair(seed: int, **how: str) -> dict[str, Ending]:
     return {engine: _ending(seed, engine, how.get(engine, "success"), "red fell") for engine in ENGINES}
 
 
-def test_shares_of_both_and_what_differs_are_told() -> None:
+def test_shares_of_both_and_what_differs_are_told():
     both = [_pair(0), _pair(1, mujoco="dropped"), _pair(2, bullet="no plan", mujoco="no plan")]
     found = {row.what: row for row in compared("tower", both, 40)}
     ours, theirs = (
@@ -36,12 +32,12 @@ def test_shares_of_both_and_what_differs_are_told() -> None:
     assert same.wrong == ("seed 1: PyBullet: success: red fell; MuJoCo: dropped: red fell",)
 
 
-def test_another_failure_that_disturbs_is_another_verdict() -> None:
+def test_another_failure_that_disturbs_is_another_verdict():
     (row,) = compared("dishes", [_pair(0, bullet="no plan", mujoco="disturbed")], 1)[-1:]
     assert row.held == 0
 
 
-def test_the_bench_goes_on_from_its_journal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_bench_goes_on_from_its_journal(tmp_path, typed):
     with Journal(tmp_path / "engines.jsonl") as book:
         for engine in ENGINES:
             book.add(_ending(7, engine).to_json())
@@ -50,11 +46,11 @@ def test_the_bench_goes_on_from_its_journal(tmp_path: Path, capsys: pytest.Captu
     assert said == []  # nothing was left to play
     assert found[0]["value"] == 0
     assert {row["value"] for row in found[1:]} == {100.0}
-    assert main(["bench", "engines", "--quick", "--seed", "7", "--journal", str(book.path), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["bench"] == "engines"
+    found = typed("bench", "engines", "--quick", "--seed", "7", "--journal", book.path, "--json").document
+    assert found["bench"] == "engines"
 
 
-def test_a_journal_of_before_is_of_the_scenes_own_arm_on_pybullet() -> None:
+def test_a_journal_of_before_is_of_the_scenes_own_arm_on_pybullet():
     entry = Ending(Episode("tower", 3), "success").to_json()
     entry["episode"] = {
         key: value for key, value in entry["episode"].items() if key not in ("robot", "engine")
@@ -63,7 +59,7 @@ def test_a_journal_of_before_is_of_the_scenes_own_arm_on_pybullet() -> None:
 
 
 @pytest.mark.slow
-def test_a_scene_that_settled_on_one_engine_is_played_on_the_other() -> None:
+def test_a_scene_that_settled_on_one_engine_is_played_on_the_other():
     ending = play(Episode("tower", 0, engine=MUJOCO))
     assert ending.success, ending.violations
     assert ending.sagged is not None and ending.sagged < 0.001

@@ -20,27 +20,27 @@ BY_NAME = {reader.name: reader for reader in READERS}
 
 
 @pytest.mark.parametrize("name", BY_NAME)
-def test_the_sound_input_is_read(name: str, tmp_path: Path) -> None:
+def test_the_sound_input_is_read(name, tmp_path):
     reader = BY_NAME[name]
     path = reader.write(reader.parts(), tmp_path)
     assert reader.wrong(reader.read(path), path) is None
 
 
 @pytest.mark.parametrize("name", BY_NAME)
-def test_no_reader_breaks(name: str) -> None:
+def test_no_reader_breaks(name):
     found = fuzz(BY_NAME[name], INPUTS // len(READERS))
     assert (found.reader, found.examples) == (name, ())
     assert found.clean == found.inputs == INPUTS // len(READERS)
 
 
-def test_an_input_is_the_same_whatever_comes_before() -> None:
+def test_an_input_is_the_same_whatever_comes_before():
     reader = BY_NAME["pcd ascii"]
     sound = reader.parts()
     assert changed(reader, sound, 7, 3) == changed(reader, sound, 7, 3) != changed(reader, sound, 8, 3)
     assert sum(changed(reader, sound, number, 0) != sound for number in range(50)) > 45
 
 
-def test_much_of_what_is_broken_is_refused_and_some_is_read(tmp_path: Path) -> None:
+def test_much_of_what_is_broken_is_refused_and_some_is_read(tmp_path):
     reader = BY_NAME["npz of clouds"]
     refused = 0
     for number in range(100):
@@ -121,7 +121,7 @@ SABOTAGES: dict[str, tuple[Callable[[Path], Scene], str, str]] = {
 
 
 @pytest.mark.parametrize("name", SABOTAGES)
-def test_a_sabotaged_reader_is_found_broken(name: str, tmp_path: Path) -> None:
+def test_a_sabotaged_reader_is_found_broken(name, tmp_path):
     read, kind, words = SABOTAGES[name]
     reader = replace(BY_NAME[kind], read=read)
     said = tried(reader, reader.parts(), tmp_path)
@@ -131,14 +131,14 @@ def test_a_sabotaged_reader_is_found_broken(name: str, tmp_path: Path) -> None:
     assert 1 <= len(count.examples) <= 3
 
 
-def test_a_reader_that_does_not_end_is_ended(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_reader_that_does_not_end_is_ended(monkeypatch, tmp_path):
     monkeypatch.setattr("topple.benchmarks.fuzz.counting.SECONDS", 0.2)
     reader = replace(BY_NAME["pcd ascii"], read=endless)
     said = tried(reader, reader.parts(), tmp_path)
     assert said is not None and "not done after 0.4 s" in said
 
 
-def test_what_takes_too_much_memory_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_what_takes_too_much_memory_is_found(monkeypatch, tmp_path):
     monkeypatch.setattr("topple.benchmarks.fuzz.counting.MEGABYTES", 50.0)
 
     def greedy(path: Path) -> Scene:
@@ -151,9 +151,7 @@ def test_what_takes_too_much_memory_is_found(monkeypatch: pytest.MonkeyPatch, tm
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_reader_that_takes_whatever_stands_where_a_file_should_is_found(
-    kind: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_reader_that_takes_whatever_stands_where_a_file_should_is_found(kind, monkeypatch, tmp_path):
     monkeypatch.setattr("topple.benchmarks.fuzz.counting.SECONDS", 0.1)
 
     def credulous(path: Path) -> None:
@@ -166,6 +164,6 @@ def test_a_reader_that_takes_whatever_stands_where_a_file_should_is_found(
     assert said is not None and {"link": "opened", "folder": "IsADirectory"}.get(kind, "not done") in said
 
 
-def test_every_reader_has_a_name_of_its_own() -> None:
+def test_every_reader_has_a_name_of_its_own():
     assert len(BY_NAME) == len(READERS)
     assert all(isinstance(reader, Reader) for reader in READERS)

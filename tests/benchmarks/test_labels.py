@@ -53,7 +53,7 @@ def plain(path: Path) -> Path:
         (plain, "labels.json", "labels"),
     ],
 )
-def test_every_format_says_that_what_lies_on_top_goes_first(write, name: str, format: str, tmp_path: Path):
+def test_every_format_says_that_what_lies_on_top_goes_first(write, name, format, tmp_path):
     truth = read_truth(write(tmp_path / name))
     assert truth.format == format
     labels = truth.named(["1", "2", "3", "4", "table"])
@@ -61,7 +61,7 @@ def test_every_format_says_that_what_lies_on_top_goes_first(write, name: str, fo
     assert sum(len(row) for row in labels.values()) == 12  # all else is denied, not left open
 
 
-def test_matrices_of_half_and_of_both_triangles_say_the_same(tmp_path: Path) -> None:
+def test_matrices_of_half_and_of_both_triangles_say_the_same(tmp_path):
     both, half = tmp_path / "both.csv", tmp_path / "half.csv"
     both.write_text("0,1\n-1,0\n", encoding="utf-8")
     half.write_text("0.0e+00,0.0e+00\n-1.0e+00,0.0e+00\n", encoding="utf-8")
@@ -77,13 +77,13 @@ def test_matrices_of_half_and_of_both_triangles_say_the_same(tmp_path: Path) -> 
         (regrad, "mrt.json", ("11", "21", "31", "41")),
     ],
 )
-def test_objects_are_found_under_the_names_a_scene_gives_them(write, name, objects, tmp_path: Path) -> None:
+def test_objects_are_found_under_the_names_a_scene_gives_them(write, name, objects, tmp_path):
     labels = read_truth(write(tmp_path / name)).named(("table", *objects))
     first, second, third, _ = objects
     assert (labels[first][third], labels[second][first], labels[second][third]) == (1, 0, 1)
 
 
-def test_a_frame_leaves_open_what_its_annotator_was_not_sure_of(tmp_path: Path) -> None:
+def test_a_frame_leaves_open_what_its_annotator_was_not_sure_of(tmp_path):
     document = {
         "removal_constraints": [[3, 2], [4, 2]],
         "doubtful": {"removal_constraints": [1]},
@@ -117,19 +117,19 @@ def test_a_frame_leaves_open_what_its_annotator_was_not_sure_of(tmp_path: Path) 
         ("a.json", '{"removal_constraints": null}', "is no annotated frame"),
     ],
 )
-def test_what_is_no_label_is_refused_in_a_line_that_names_the_file(name, text, words, tmp_path: Path) -> None:
+def test_what_is_no_label_is_refused_in_a_line_that_names_the_file(name, text, words, tmp_path):
     (tmp_path / name).write_text(text, encoding="utf-8")
     with pytest.raises(InvalidInput, match=words) as refused:
         read_truth(tmp_path / name)
     assert str(tmp_path / name) in str(refused.value)
 
 
-def test_labels_of_another_scene_are_refused(tmp_path: Path) -> None:
+def test_labels_of_another_scene_are_refused(tmp_path):
     with pytest.raises(InvalidInput, match="unknown labelled objects '1, 2, 3, 4': the scene has cup, plate"):
         read_truth(plain(tmp_path / "a.json")).named(["plate", "cup"])
 
 
-def test_what_has_no_row_of_its_own_counts_where_it_is_named(tmp_path: Path) -> None:
+def test_what_has_no_row_of_its_own_counts_where_it_is_named(tmp_path):
     (tmp_path / "a.json").write_text('{"cup": {"lid": 1}}', encoding="utf-8")
     labels = read_truth(tmp_path / "a.json").named(["cup", "lid"])
     assert labels == {"cup": {"lid": 1}, "lid": {}}
@@ -137,13 +137,13 @@ def test_what_has_no_row_of_its_own_counts_where_it_is_named(tmp_path: Path) -> 
     assert (found.right, found.false, found.missed) == ((("lid", "cup"),), (), ())
 
 
-def test_an_archive_without_labels_is_none(tmp_path: Path) -> None:
+def test_an_archive_without_labels_is_none(tmp_path):
     np.savez(tmp_path / "a.npz", cup=np.zeros((4, 3)))
     with pytest.raises(InvalidInput, match="holds no text called labels"):
         read_truth(tmp_path / "a.npz")
 
 
-def test_an_annotation_is_read_in_the_encoding_that_it_declares(tmp_path: Path) -> None:
+def test_an_annotation_is_read_in_the_encoding_that_it_declares(tmp_path):
     text = vmrd(tmp_path / "a.xml").read_text(encoding="utf-8").replace("cup", "Löffel")
     for encoding in ("ISO-8859-1", "utf-16"):
         (tmp_path / "b.xml").write_text(
@@ -152,6 +152,6 @@ def test_an_annotation_is_read_in_the_encoding_that_it_declares(tmp_path: Path) 
         assert read_truth(tmp_path / "b.xml").aliases[0]["4"] == "Löffel"
 
 
-def test_a_table_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+def test_a_table_may_begin_with_a_byte_order_mark(tmp_path):
     (tmp_path / "a.csv").write_text("0,-1\n1,0\n", encoding="utf-8-sig")
     assert read_truth(tmp_path / "a.csv").labels["1"]["2"] == 1

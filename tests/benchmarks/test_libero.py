@@ -1,6 +1,5 @@
 """What is counted of others' scenes is what MuJoCo lets happen in them."""
 
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -22,9 +21,7 @@ def state(mug: tuple[float, float, float], book: tuple[float, float, float]) -> 
 
 
 @pytest.mark.parametrize(("last", "share"), [((0.0, 0.0, 0.16), 100.0), ((0.0, 0.124, 0.07), 100.0)])
-def test_verdicts_and_loads_of_scenes_are_held_against_simulation(
-    tmp_path: Path, last: tuple[float, float, float], share: float
-) -> None:
+def test_verdicts_and_loads_of_scenes_are_held_against_simulation(tmp_path, last, share):
     book = (0.0, 0.0, 0.01)
     starts = [state((0.0, 0.0, 0.07), book), state((0.25, 0.1, 0.05), book), state(last, book)]
     write(ElementTree.fromstring(WORLD), starts, tmp_path / "task.xml", {})
@@ -38,7 +35,7 @@ def test_verdicts_and_loads_of_scenes_are_held_against_simulation(
     assert found["tasks that are read and checked"]["ok"]
 
 
-def test_a_scene_that_is_refused_is_counted_and_an_empty_folder_refused(tmp_path: Path) -> None:
+def test_a_scene_that_is_refused_is_counted_and_an_empty_folder_refused(tmp_path):
     with pytest.raises(InvalidInput, match="libero needs --data DIR"):
         rows(False, 0, lambda _: None, tmp_path)
     (tmp_path / "task.json").write_text('{"states": [{"key": "state_0", "moved": {}}]}')
@@ -48,7 +45,7 @@ def test_a_scene_that_is_refused_is_counted_and_an_empty_folder_refused(tmp_path
     assert "no keyframe state_0" in moves["wrong"][0]
 
 
-def test_what_stays_stands_and_what_only_touches_carries_nothing() -> None:
+def test_what_stays_stands_and_what_only_touches_carries_nothing():
     assert [fate(each) for each in ((0.5, 0.2), (4.0, 0.0), (11.0, 0.0), (0.0, 12.0))] == [
         True,
         None,
@@ -61,7 +58,7 @@ def test_what_stays_stands_and_what_only_touches_carries_nothing() -> None:
     }
 
 
-def test_of_files_that_are_not_there_only_what_is_looked_at_is_left_out() -> None:
+def test_of_files_that_are_not_there_only_what_is_looked_at_is_left_out():
     asset = '<asset><mesh name="m" file="/no/such.msh"/></asset>'
     geom = '<geom name="g" type="mesh" mesh="m" contype="0" conaffinity="0"/>'
     seen = f"<mujoco>{asset}<worldbody>{geom}</worldbody></mujoco>"

@@ -3,7 +3,6 @@
 import io
 import shutil
 import tarfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,7 +34,7 @@ def problem(centre: list[float]) -> dict[str, object]:
     }
 
 
-def test_what_has_a_free_goal_is_solved_and_what_touches_is_left_out(tmp_path: Path) -> None:
+def test_what_has_a_free_goal_is_solved_and_what_touches_is_left_out(tmp_path):
     folder = tmp_path / "resources/panda"
     shutil.copytree(robot("panda").model.path.parent, folder)
     with tarfile.open(folder / "problems.tar.bz2", "w:bz2") as archive:
@@ -50,7 +49,7 @@ def test_what_has_a_free_goal_is_solved_and_what_touches_is_left_out(tmp_path: P
     assert median["value"] > 0
 
 
-def test_a_path_of_a_peer_that_touches_is_told_and_one_that_does_not_solve_is_no_path() -> None:
+def test_a_path_of_a_peer_that_touches_is_told_and_one_that_does_not_solve_is_no_path():
     arm, boxes = robot("panda"), {"box": box((0.3, 0.2, 0.4), (0.1, 0.1, 0.8))}
     problem = Problem(boxes, checker_of(arm, boxes), np.array(FREE), np.array([AWAY]))
     through, stays = np.array([FREE, AWAY]), np.array([FREE, FREE])
@@ -58,7 +57,7 @@ def test_a_path_of_a_peer_that_touches_is_told_and_one_that_does_not_solve_is_no
     assert [round(row.value) for row in found] == [67, 50, 100, 100, 100]
 
 
-def test_without_an_archive_it_says_what_it_needs(tmp_path: Path) -> None:
+def test_without_an_archive_it_says_what_it_needs(tmp_path):
     with pytest.raises(InvalidInput, match="mbm needs --data DIR"):
         rows(False, 0, lambda text: None, tmp_path)
 
@@ -71,9 +70,7 @@ def test_without_an_archive_it_says_what_it_needs(tmp_path: Path) -> None:
         ("cylinder", [0.4, 0.08], trimesh.creation.cylinder(radius=0.08, height=0.4, sections=96)),
     ],
 )
-def test_a_primitive_lies_within_its_polyhedron_which_is_little_wider(
-    kind: str, sizes: list[float], shape: trimesh.Trimesh
-) -> None:
+def test_a_primitive_lies_within_its_polyhedron_which_is_little_wider(kind, sizes, shape):
     part = Solid(kind, sizes, np.eye(4)).corners
     for direction in np.random.default_rng(0).normal(size=(200, 3)):
         direction /= np.linalg.norm(direction)

@@ -1,6 +1,5 @@
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pybullet
@@ -16,7 +15,7 @@ from topple.robots.catalog import robot
 from topple.topology.base.errors import ToppleError
 
 
-def test_the_baseline_checker_gives_the_same_answers() -> None:
+def test_the_baseline_checker_gives_the_same_answers():
     arm = robot("panda")
     rng = np.random.default_rng(3)
     checker = checker_of(arm, clutter(rng, 6))
@@ -24,13 +23,13 @@ def test_the_baseline_checker_gives_the_same_answers() -> None:
     assert np.array_equal(OneByOne(arm, checker.model).all(q), checker.free(q))
 
 
-def test_no_state_is_disagreed_on() -> None:
+def test_no_state_is_disagreed_on():
     _, wrong = checking(robot("panda"), 1000, 0)
     assert wrong.value == 0
     assert wrong.ok
 
 
-def test_rows_are_complete_and_no_certified_path_touches(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rows_are_complete_and_no_certified_path_touches(monkeypatch):
     monkeypatch.setenv("TOPPLE_PEERS", "nowhere")
     said: list[str] = []
     problems = [transfer(robot("panda"), seed) for seed in (40, 41)]
@@ -43,7 +42,7 @@ def test_rows_are_complete_and_no_certified_path_touches(monkeypatch: pytest.Mon
     assert said
 
 
-def test_what_is_handed_over_is_the_same_arm_among_the_same_boxes(tmp_path: Path) -> None:
+def test_what_is_handed_over_is_the_same_arm_among_the_same_boxes(tmp_path):
     """PyBullet loads the files and stands where our own kinematics say."""
     arm = robot("panda")
     problem = pick(arm, 50)
@@ -71,7 +70,7 @@ def test_what_is_handed_over_is_the_same_arm_among_the_same_boxes(tmp_path: Path
     assert len(document["ignored_pairs"]) == math.comb(len(arm.links), 2) - len(arm.self_pairs)
 
 
-def test_a_peer_that_fails_says_why(tmp_path: Path) -> None:
+def test_a_peer_that_fails_says_why(tmp_path):
     python = tmp_path / "python"
     python.write_text("#!/bin/sh\necho no such module >&2\nexit 1\n")
     python.chmod(0o755)
@@ -80,7 +79,7 @@ def test_a_peer_that_fails_says_why(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("peer", PEERS)
-def test_a_peer_solves_a_pick_from_its_start_to_one_of_its_goals(peer: str) -> None:
+def test_a_peer_solves_a_pick_from_its_start_to_one_of_its_goals(peer):
     python = python_of(peer)
     if python is None:
         pytest.skip(f"{peer} has no environment in .peers (make peers)")

@@ -20,7 +20,7 @@ def _model(folder: Path, half: float, mass: float) -> None:
 
 
 @pytest.mark.parametrize("kind", SHAPES)
-def test_a_shape_by_formula_is_a_thing_that_a_hand_holds(kind: str) -> None:
+def test_a_shape_by_formula_is_a_thing_that_a_hand_holds(kind):
     for seed in range(20):
         body = Body.of(kind, SHAPES[kind](np.random.default_rng(seed)), density=1000.0)
         extents = np.sort(body.upper - body.lower)
@@ -28,7 +28,7 @@ def test_a_shape_by_formula_is_a_thing_that_a_hand_holds(kind: str) -> None:
         assert 0.002 < body.mass < 1.0
 
 
-def test_models_that_no_arm_takes_are_left_out(tmp_path: Path) -> None:
+def test_models_that_no_arm_takes_are_left_out(tmp_path):
     _model(tmp_path / "a" / "007_bar", 0.08, 0.2)
     _model(tmp_path / "beam", 0.2, 0.2)
     _model(tmp_path / "anvil", 0.08, 5.0)
@@ -38,7 +38,7 @@ def test_models_that_no_arm_takes_are_left_out(tmp_path: Path) -> None:
         models_in(tmp_path / "none")
 
 
-def test_a_pile_rests_and_its_target_carries_something(tmp_path: Path) -> None:
+def test_a_pile_rests_and_its_target_carries_something(tmp_path):
     _model(tmp_path / "007_bar", 0.08, 0.2)
     poses: list[dict[str, np.ndarray]] = []
     for _ in range(2):

@@ -38,7 +38,7 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Outcome], P
     return solve(Task(1, 0, TRIED, Things(), folder=folder)), folder
 
 
-def test_the_scenes_have_the_papers_pairs() -> None:
+def test_the_scenes_have_the_papers_pairs():
     pairs = {number: len(scene.pairs) for number, scene in truth.SCENES.items()}
     assert list(pairs.values()) == [6, 6, 6, 6, 6, 15, 10, 10, 10, 15, 10, 10, 10, 10]
     assert sum(pairs[n] for n in truth.RGBD) == 55 and sum(pairs[n] for n in truth.YCB) == 75
@@ -54,13 +54,13 @@ def test_the_scenes_have_the_papers_pairs() -> None:
     ("method", "rgbd", "ycb"),
     [(truth.PAPER_6IM, 53, 71), (truth.FEATURES, 41, 64), (truth.LEARNING, 40, 59), (truth.AABB, 36, 57)],
 )
-def test_the_papers_percentages_add_up_to_its_sums(method: str, rgbd: int, ycb: int) -> None:
+def test_the_papers_percentages_add_up_to_its_sums(method, rgbd, ycb):
     assert truth.published_right(method, truth.RGBD) == rgbd
     assert truth.published_right(method, truth.YCB) == ycb
 
 
 @pytest.mark.parametrize("number", [3, 4, 5, 7, 9, 10])
-def test_bodies_settle_to_the_listed_contacts(number: int) -> None:
+def test_bodies_settle_to_the_listed_contacts(number):
     scene = truth.SCENES[number]
     with staged(number, 0, TRIED, Things(), LAYOUTS) as world:
         assert set(scene.objects) <= set(world.names)
@@ -71,7 +71,7 @@ def test_bodies_settle_to_the_listed_contacts(number: int) -> None:
                 assert gap(world, a, b) <= CONTACT
 
 
-def test_a_variant_is_the_same_every_time_and_another_is_not() -> None:
+def test_a_variant_is_the_same_every_time_and_another_is_not():
     def poses(variant: int) -> np.ndarray:
         with staged(7, variant, TRIED, Things(), LAYOUTS) as world:
             return np.array(list(world.poses().values()))
@@ -80,7 +80,7 @@ def test_a_variant_is_the_same_every_time_and_another_is_not() -> None:
     assert np.abs(poses(0) - poses(1)).max() > 1e-3
 
 
-def test_a_layout_without_the_listed_contacts_is_not_taken() -> None:
+def test_a_layout_without_the_listed_contacts_is_not_taken():
     from topple.benchmarks.paper.stage import check
     from topple.robots.shapes import box
     from topple.robots.world.world import World
@@ -95,7 +95,7 @@ def test_a_layout_without_the_listed_contacts_is_not_taken() -> None:
             check(world, truth.SCENES[1])
 
 
-def test_things_have_the_published_masses_and_stand_on_the_table() -> None:
+def test_things_have_the_published_masses_and_stand_on_the_table():
     things = Things()
     for kind, mass in (("banana", 0.066), ("sugar_box", 0.514), ("plate", 0.279)):
         body: Body = things.make(kind)
@@ -103,13 +103,13 @@ def test_things_have_the_published_masses_and_stand_on_the_table() -> None:
         assert body.lower[2] == pytest.approx(0, abs=1e-9)
 
 
-def test_what_is_not_in_the_folder_of_models_is_procedural(tmp_path: Path) -> None:
+def test_what_is_not_in_the_folder_of_models_is_procedural(tmp_path):
     things = Things(tmp_path)
     assert "banana" in things.absent
     assert things.make("banana").kind == "banana"
 
 
-def test_every_column_answers_every_pair(outcomes: tuple[list[Outcome], Path]) -> None:
+def test_every_column_answers_every_pair(outcomes):
     found, _ = outcomes
     assert {one.column for one in found} == {TOPPLE, PLAIN, ESTIMATED, NINE, BOXES, SUPPORT}
     for one in found:
@@ -118,14 +118,14 @@ def test_every_column_answers_every_pair(outcomes: tuple[list[Outcome], Path]) -
         assert one.seconds > 0
 
 
-def test_a_written_scene_is_read_by_the_commands(outcomes: tuple[list[Outcome], Path]) -> None:
+def test_a_written_scene_is_read_by_the_commands(outcomes):
     scene = load_scene(outcomes[1] / "scene_01.npz")
     assert set(scene.names) == set(truth.SCENES[1].objects)
     assert scene.fixed == {"ground"}
     assert scene.viewpoints.shape == (2, 3)
 
 
-def test_outcomes_become_rows(outcomes: tuple[list[Outcome], Path]) -> None:
+def test_outcomes_become_rows(outcomes):
     rows = [row.to_json() for row in report(outcomes[0], "not installed")]
     assert {"what", "value", "unit", "baseline", "baseline_value", "ratio", "bar", "ok"} <= set(rows[0])
     assert any(row["bar"] == ">= 54" for row in rows)
@@ -135,7 +135,7 @@ def test_outcomes_become_rows(outcomes: tuple[list[Outcome], Path]) -> None:
     assert scene[0]["baseline_value"] == 6
 
 
-def test_an_answer_counts_from_either_side_and_the_unseen_is_wrong() -> None:
+def test_an_answer_counts_from_either_side_and_the_unseen_is_wrong():
     listed = ("lemon", Relation.PARTIAL_WITHIN, "bowl")
     assert judged(listed, {("bowl", "lemon"): Relation.PARTIAL_CONTAIN}).right
     assert not judged(listed, {("bowl", "lemon"): Relation.CONTAIN}).right
@@ -145,7 +145,7 @@ def test_an_answer_counts_from_either_side_and_the_unseen_is_wrong() -> None:
     assert SUPPORT in LENIENT
 
 
-def test_boxes_and_features_know_a_box_on_a_box() -> None:
+def test_boxes_and_features_know_a_box_on_a_box():
     clouds = {
         "low": _box((0, 0, 0), (0.1, 0.1, 0.1)),
         "top": _box((0.02, 0.02, 0.1), (0.08, 0.08, 0.15)),
@@ -159,7 +159,7 @@ def test_boxes_and_features_know_a_box_on_a_box() -> None:
 
 
 @pytest.mark.slow
-def test_contact_points_tell_touching_from_apart() -> None:
+def test_contact_points_tell_touching_from_apart():
     pytest.importorskip("sklearn", reason="scikit-learn belongs to the bench extra")
     from topple.benchmarks.paper.learning import features, train
 

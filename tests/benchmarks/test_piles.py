@@ -22,14 +22,14 @@ def stack() -> Pile:
 
 
 @pytest.mark.slow
-def test_the_same_seed_makes_the_same_pile() -> None:
+def test_the_same_seed_makes_the_same_pile():
     first, again, other = make_pile(3), make_pile(3), make_pile(4)
     assert list(first.poses) == list(again.poses)
     assert all(np.array_equal(first.poses[name], again.poses[name]) for name in first.poses)
     assert list(first.poses) != list(other.poses)
 
 
-def test_a_pile_is_at_rest_on_its_table() -> None:
+def test_a_pile_is_at_rest_on_its_table():
     pile = make_pile(3)
     with pile.world() as world:
         before = world.poses()
@@ -38,14 +38,14 @@ def test_a_pile_is_at_rest_on_its_table() -> None:
     assert max(moved) < 0.003
 
 
-def test_who_lies_on_a_lifted_box_had_to_go_first_and_nobody_else(stack: Pile) -> None:
+def test_who_lies_on_a_lifted_box_had_to_go_first_and_nobody_else(stack):
     verdicts = truth(stack)
     moved = {(first, then) for then, row in verdicts.items() for first, value in row.items() if value == 1}
     assert moved == {("top", "low")}
     assert all(first != then for then, row in verdicts.items() for first in row)
 
 
-def test_whole_surfaces_show_undersides_and_cameras_do_not(stack: Pile) -> None:
+def test_whole_surfaces_show_undersides_and_cameras_do_not(stack):
     whole, seen = observe(stack, 0, seed=1), observe(stack, 1, seed=1)
     assert set(whole.names) == {"low", "top", "aside", "table"}
     assert len(whole.viewpoints) == 0
@@ -57,7 +57,7 @@ def test_whole_surfaces_show_undersides_and_cameras_do_not(stack: Pile) -> None:
     assert 0.0003 < tops[:, 2].std() < 0.003
 
 
-def test_a_label_needs_agreement_at_every_friction() -> None:
+def test_a_label_needs_agreement_at_every_friction():
     far, near, still = Move(0.05, 0.0), Move(0.008, 0.0), Move(0.0, 0.0)
     assert label([{"a": far}] * 3, "a") == 1
     assert label([{"a": still}, {"a": near}, {"a": still}], "a") == 0

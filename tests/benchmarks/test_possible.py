@@ -15,7 +15,7 @@ def _at(x: float, z: float, lean: float = 0.0) -> FloatArray:
     return pose_from([x, 0.0, z], Rotation.from_euler("y", lean).as_quat())
 
 
-def test_what_lies_on_the_target_goes_first() -> None:
+def test_what_lies_on_the_target_goes_first():
     with World() as world:
         world.add_table()
         world.add(box("low", (0.08, 0.08, 0.04)), _at(0.0, 0.0))
@@ -27,7 +27,7 @@ def test_what_lies_on_the_target_goes_first() -> None:
         assert all(np.allclose(world.pose(name), pose, atol=1e-4) for name, pose in before.items())
 
 
-def test_cards_that_hold_each_other_up_cannot_be_had_one_by_one() -> None:
+def test_cards_that_hold_each_other_up_cannot_be_had_one_by_one():
     with World() as world:
         world.add_table()
         lean = np.radians(20.0)

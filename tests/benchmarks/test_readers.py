@@ -27,7 +27,7 @@ FILES = {
 
 
 @pytest.mark.parametrize("row", FILES)
-def test_the_page_counts_the_lines_of_a_reader(row: str) -> None:
+def test_the_page_counts_the_lines_of_a_reader(row):
     (line,) = [line for line in PAGE if line.startswith(f"| {row}")]
     said = int(line.split("|")[4])
     there = sum(len((ROOT / path).read_text(encoding="utf-8").splitlines()) for path in FILES[row])

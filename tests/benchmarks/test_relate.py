@@ -4,7 +4,7 @@ from topple.benchmarks.relate import Extent, _crowds
 from topple.topology.relations.relate import MOST_OBJECTS
 
 
-def test_more_objects_than_a_scene_may_have_unasked_are_measured() -> None:
+def test_more_objects_than_a_scene_may_have_unasked_are_measured():
     extent = Extent(
         (), crowds=(MOST_OBJECTS // 10, MOST_OBJECTS + 1), points=12, crowds_by_default=False, repeats=1
     )

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -26,7 +25,7 @@ ORPHAN = (
 )
 
 
-def test_what_is_half_written_is_found(tmp_path: Path) -> None:
+def test_what_is_half_written_is_found(tmp_path):
     (tmp_path / "demo").mkdir()
     assert kills._halves(tmp_path) == []
     (tmp_path / "plan.json").write_text('{"format": "topple.pl')
@@ -41,7 +40,7 @@ def test_what_is_half_written_is_found(tmp_path: Path) -> None:
     ]
 
 
-def test_a_worker_that_outlives_its_parent_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_worker_that_outlives_its_parent_is_found(monkeypatch, tmp_path):
     monkeypatch.setattr(kills, "GONE_WITHIN", 0.3)
     (tmp_path / "tmp").mkdir()
     with subprocess.Popen([sys.executable, "-c", ORPHAN], stdout=subprocess.PIPE, text=True) as parent:
@@ -53,17 +52,17 @@ def test_a_worker_that_outlives_its_parent_is_found(monkeypatch: pytest.MonkeyPa
             os.kill(orphan, signal.SIGKILL)
 
 
-def test_a_command_that_finds_room_where_there_should_be_none_is_found(tmp_path: Path) -> None:
+def test_a_command_that_finds_room_where_there_should_be_none_is_found(tmp_path):
     scene = kills._scene(tmp_path)
     said = kills._refusal(tmp_path, ("relate", *scene), None, None)
     assert said.startswith("exit code 0") and "0 lines" in said
 
 
-def test_kills_are_counted_by_what_they_leave() -> None:
+def test_kills_are_counted_by_what_they_leave():
     assert kills._killed("plan -o", [[], ["a", "b"], []]) == kills.Killed("plan -o", 3, 2, ("a", "b"))
 
 
-def test_a_simulation_that_is_left_open_is_found() -> None:
+def test_a_simulation_that_is_left_open_is_found():
     before = sum(soak._is_open(client) for client in range(soak.CLIENTS))
     client = pybullet.connect(pybullet.DIRECT)
     try:
@@ -72,7 +71,7 @@ def test_a_simulation_that_is_left_open_is_found() -> None:
         pybullet.disconnect(physicsClientId=client)
 
 
-def test_a_run_survives_by_its_goal_or_by_naming_the_fault_and_never_by_either_alone() -> None:
+def test_a_run_survives_by_its_goal_or_by_naming_the_fault_and_never_by_either_alone():
     fault: Fault = FAULTS[0]
     well = Run(fault.name, 0, reached=True)
     named = Run(fault.name, 1, named=True)
@@ -82,7 +81,7 @@ def test_a_run_survives_by_its_goal_or_by_naming_the_fault_and_never_by_either_a
     assert FaultCount(fault.name, (well, named, *bad)).survived == 2
 
 
-def test_a_missed_bar_is_printed_with_what_went_wrong(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missed_bar_is_printed_with_what_went_wrong(capsys):
     fine = share("faults", 3, 3, ">= 100", counted=True)
     bad = share("splits", 2, 3, ">= 100", counted=True, wrong=["seed 7: no\nplan"])
     assert (fine.ok, bad.ok) == (True, False)
@@ -96,6 +95,6 @@ def test_a_missed_bar_is_printed_with_what_went_wrong(capsys: pytest.CaptureFixt
     assert "baseline" not in out and "tried" in out
 
 
-def test_a_part_that_there_is_not_is_refused() -> None:
+def test_a_part_that_there_is_not_is_refused():
     with pytest.raises(InvalidInput, match="no part 'noise': expected one of readers, sabotages"):
         rows(quick=True, seed=0, progress=lambda text: None, part="noise")

@@ -46,7 +46,7 @@ def shelf() -> Scene:
         ("plain 6IM + height", ("can", "book")),
     ],
 )
-def test_a_rule_takes_all_that_comes_first_by_it(shelf: Scene, rule: str, taken: tuple[str, ...]) -> None:
+def test_a_rule_takes_all_that_comes_first_by_it(shelf, rule, taken):
     base = np.eye(4)
     base[0, 3] = -0.5
     found = order_by(rule, base)(Situation(shelf), ("book",), seed=0)
@@ -54,21 +54,21 @@ def test_a_rule_takes_all_that_comes_first_by_it(shelf: Scene, rule: str, taken:
     assert found.order[-1] == "book"
 
 
-def test_a_rule_takes_nothing_twice(shelf: Scene) -> None:
+def test_a_rule_takes_nothing_twice(shelf):
     put_down = Beliefs(alone=frozenset(["bottle"]))
     rule = order_by("top height first", np.eye(4))
     found = rule(Situation(shelf), ("book",), seed=0, beliefs=put_down)
     assert found.order == ("can", "book")
 
 
-def test_an_ending_is_read_back_equal(tmp_path: Path) -> None:
+def test_an_ending_is_read_back_equal(tmp_path):
     ending = Ending(Episode("pile", 3, 1, RULES[0]), "hit", ("box_1 was hit",), violated=1, seconds=31.5)
     Journal(tmp_path / "endings.jsonl").add(ending.to_json())
     (entry,) = Journal(tmp_path / "endings.jsonl").entries
     assert Ending.from_json(entry) == ending
 
 
-def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Path) -> None:
+def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path):
     path = tmp_path / "endings.jsonl"
     kept = Ending(Episode("dishes", 0), "success")
     Journal(path).add(kept.to_json())
@@ -89,7 +89,7 @@ def _played(path: Path, seeds: dict[int, bool], **version: str) -> None:
 
 
 @pytest.mark.parametrize("version", [{}, {"commit": "a2ac90c", "code": "0123456789ab"}])
-def test_results_of_other_code_do_not_count(version: dict[str, str], tmp_path: Path) -> None:
+def test_results_of_other_code_do_not_count(version, tmp_path):
     path = tmp_path / "endings.jsonl"
     _played(path, {3: True}, **version)
     with Journal(path) as book:
@@ -99,7 +99,7 @@ def test_results_of_other_code_do_not_count(version: dict[str, str], tmp_path: P
     assert (entry["episode"]["seed"], entry["code"], entry["commit"]) == (4, code_key(), commit_now())
 
 
-def test_what_was_kept_is_counted_by_the_code_of_the_last_line(tmp_path: Path) -> None:
+def test_what_was_kept_is_counted_by_the_code_of_the_last_line(tmp_path):
     path = tmp_path / "endings.jsonl"
     _played(path, {0: False, 1: True}, code="one")
     _played(path, {1: True, 2: True, 3: False}, code="other")
@@ -108,7 +108,7 @@ def test_what_was_kept_is_counted_by_the_code_of_the_last_line(tmp_path: Path) -
     assert "3 of 100 seeds" in reached["what"] and reached["value"] == pytest.approx(200 / 3)
 
 
-def test_a_comment_or_a_docstring_is_no_other_code(tmp_path: Path) -> None:
+def test_a_comment_or_a_docstring_is_no_other_code(tmp_path):
     def key(name: str, text: str) -> str:
         (tmp_path / name / "topology").mkdir(parents=True)
         (tmp_path / name / "topology" / "one.py").write_text(text)
@@ -122,7 +122,7 @@ def test_a_comment_or_a_docstring_is_no_other_code(tmp_path: Path) -> None:
     assert key("changed", "x = 2\n\n\ndef f():\n    return x\n") != plain
 
 
-def test_the_same_seeds_of_two_journals_are_paired(tmp_path: Path) -> None:
+def test_the_same_seeds_of_two_journals_are_paired(tmp_path):
     ours, theirs = tmp_path / "ours.jsonl", tmp_path / "theirs.jsonl"
     _played(ours, {seed: seed >= 8 for seed in range(40)}, code="new")
     _played(theirs, {seed: True for seed in range(4, 60)}, code="old")
@@ -136,15 +136,13 @@ def test_the_same_seeds_of_two_journals_are_paired(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow  # every scene is built
-def test_scenes_that_are_rearranged_are_named() -> None:
+def test_scenes_that_are_rearranged_are_named():
     for name in SCENARIOS:
         with scenario(name) as stage:
             assert (stage.finished is not None) == (name in REARRANGED), name
 
 
-def test_an_episode_is_kept_with_its_folders_as_they_were_given(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_episode_is_kept_with_its_folders_as_they_were_given(tmp_path, monkeypatch):
     (tmp_path / "empty").mkdir()
     monkeypatch.chdir(tmp_path)
     frame = Episode("none", 0, folder="empty")  # no such frame: the episode crashes
@@ -169,24 +167,19 @@ def test_an_episode_is_kept_with_its_folders_as_they_were_given(
         ({"ending": None}, r"Expected `str`, got `null` - at `\$.ending`"),
     ],
 )
-def test_a_line_of_another_shape_is_refused_by_its_number(
-    change: dict[str, object], words: str, tmp_path: Path
-) -> None:
+def test_a_line_of_another_shape_is_refused_by_its_number(change, words, tmp_path):
     path = tmp_path / "endings.jsonl"
     kept = {**Ending(Episode("pile", 3), "success").to_json(), "code": code_key()}
     path.write_text(f"{json.dumps(kept)}\n{json.dumps({**kept, **change})}\n")
-    with pytest.raises(
-        InvalidInput, match=f"endings.jsonl: line 2 is no journal of a bench.*{words}"
-    ) as said:
+    with pytest.raises(InvalidInput, match=f"endings.jsonl: line 2 is no journal of a bench.*{words}"):
         Journal(path)
-    assert "\n" not in str(said.value)
 
 
 @pytest.mark.parametrize(
     "text",
     ['{"a": 1}', "[1, 2]", "3", "null", "notes of mine", "[" * 100_000, '{"format": "topple.episode",}'],
 )
-def test_another_file_is_no_journal(tmp_path: Path, text: str) -> None:
+def test_another_file_is_no_journal(tmp_path, text):
     path = tmp_path / "mine.jsonl"
     path.write_text(f"\n{text}\n")
     with pytest.raises(InvalidInput, match=r"mine.jsonl: line 2 is no journal of a bench"):
@@ -194,12 +187,12 @@ def test_another_file_is_no_journal(tmp_path: Path, text: str) -> None:
     assert path.read_text() == f"\n{text}\n"
 
 
-def test_a_folder_is_no_journal(tmp_path: Path) -> None:
+def test_a_folder_is_no_journal(tmp_path):
     with pytest.raises(InvalidInput, match="cannot keep results there"):
         Journal(tmp_path)
 
 
-def test_one_process_keeps_a_journal_at_a_time(tmp_path: Path) -> None:
+def test_one_process_keeps_a_journal_at_a_time(tmp_path):
     path = tmp_path / "endings.jsonl"
     with Journal(path), pytest.raises(InvalidInput, match="another process keeps its results there"):
         Journal(path)
@@ -207,12 +200,12 @@ def test_one_process_keeps_a_journal_at_a_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", ["/dev/full", "/dev/null", "/nowhere/endings.jsonl", "/"])
-def test_where_no_results_can_be_kept_is_refused(path: str) -> None:
+def test_where_no_results_can_be_kept_is_refused(path):
     with pytest.raises(InvalidInput, match="give another"):
         Journal(Path(path))
 
 
-def test_a_bench_goes_on_from_its_journal(tmp_path: Path) -> None:
+def test_a_bench_goes_on_from_its_journal(tmp_path):
     with Journal(tmp_path / "endings.jsonl") as book:
         for series in QUICK:
             for episode in series.episodes(5):
@@ -223,7 +216,7 @@ def test_a_bench_goes_on_from_its_journal(tmp_path: Path) -> None:
     assert [row["value"] for row in found if row["what"].startswith("goal reached")] == [100.0] * 3
 
 
-def test_what_is_left_is_said(tmp_path: Path) -> None:
+def test_what_is_left_is_said(tmp_path):
     with Journal(tmp_path / "endings.jsonl") as book:
         book.add(Ending(QUICK[0].episodes(5)[0], "success", seconds=40.0).to_json())
     said: list[str] = []
@@ -234,7 +227,7 @@ def test_what_is_left_is_said(tmp_path: Path) -> None:
     assert said == [f"{left} of {len(QUICK)} episodes are left: the same command goes on with them"]
 
 
-def test_frames_are_counted_by_what_stayed_and_what_went_well(tmp_path: Path) -> None:
+def test_frames_are_counted_by_what_stayed_and_what_went_well(tmp_path):
     series = Series("real frames", 2, bar=">= 70", folder=tmp_path, frames=("a", "b"))
     first, second = series.episodes(0)
     assert first == Episode("a", 0, folder=str(tmp_path))
@@ -244,17 +237,17 @@ def test_frames_are_counted_by_what_stayed_and_what_went_well(tmp_path: Path) ->
     assert _only(found, "goal reached, nothing disturbed: real frames").value == 50.0
 
 
-def test_of_a_frame_that_is_freed_which_waits_for_most(shelf: Scene) -> None:
+def test_of_a_frame_that_is_freed_which_waits_for_most(shelf):
     needed = frozenset({("3", "2"), ("4", "3"), ("6", "5")})
     assert wanted_of(Frame("frame", shelf, needed, frozenset())) == "2"
 
 
-def test_a_folder_without_frames_is_said(tmp_path: Path) -> None:
+def test_a_folder_without_frames_is_said(tmp_path):
     with pytest.raises(InvalidInput, match="no frames with removal constraints"):
         frames_in(tmp_path)
 
 
-def test_shares_have_intervals_and_endings_are_counted() -> None:
+def test_shares_have_intervals_and_endings_are_counted():
     series = Series("pile", 4, bar=">= 90")
     ways = ["success", "success", "hit", "no plan"]
     found = {row.what: row for row in figures({series: _endings(series, ways)})}
@@ -267,7 +260,7 @@ def test_shares_have_intervals_and_endings_are_counted() -> None:
     assert _only(found, "no plan").value == 1
 
 
-def test_orders_are_compared_on_the_seeds_that_both_played() -> None:
+def test_orders_are_compared_on_the_seeds_that_both_played():
     ours, theirs = Series("pile", 2), [Series("pile", 2, rule=rule) for rule in RULES]
     found = {ours: _endings(ours, ["success", "hit"])}
     found |= {one: _endings(one, ["hit", "hit"][: 1 + number]) for number, one in enumerate(theirs)}
@@ -276,14 +269,14 @@ def test_orders_are_compared_on_the_seeds_that_both_played() -> None:
 
 
 @pytest.mark.parametrize(("leak", "ok"), [(0, True), (40, False)])
-def test_memory_that_grows_on_is_a_leak_and_loading_is_none(leak: int, ok: bool) -> None:
+def test_memory_that_grows_on_is_a_leak_and_loading_is_none(leak, ok):
     loaded = [min(300 + 100 * place, 1000) + leak * place for place in range(30)]
     endings = [Ending(Episode("pile", place), "success", memory=m) for place, m in enumerate(loaded)]
     row = next(row for row in endurance(endings) if row.what.startswith("memory"))
     assert row.ok is ok
 
 
-def test_fallbacks_are_counted_with_what_came_of_them() -> None:
+def test_fallbacks_are_counted_with_what_came_of_them():
     stood = (("narrow", True), ("empty", False), ("narrow", False))
     endings = [
         Ending(Episode("pile", 0), "success", steps=3, fallbacks=stood),
@@ -296,7 +289,7 @@ def test_fallbacks_are_counted_with_what_came_of_them() -> None:
     assert (found["of these succeeded: narrow"], found["of these succeeded: empty"]) == (50.0, 0.0)
 
 
-def test_a_scene_that_is_none_is_an_ending() -> None:
+def test_a_scene_that_is_none_is_an_ending():
     ending = play(Episode("kitchen", 0))
     assert ending.ending == "no plan"
     assert "there is no scene 'kitchen'" in ending.violations[0]

@@ -1,7 +1,5 @@
 """The bench of speed: what it times is the real thing, in small."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,11 +13,11 @@ from topple.topology.base.errors import InvalidInput
 in_checkout = pytest.mark.skipif(commit_now() is None, reason="this is no checkout: there are no commits")
 
 
-def test_an_exponent_is_that_of_the_power() -> None:
+def test_an_exponent_is_that_of_the_power():
     assert exponent((10, 1000), (0.5, 0.5 * 100**1.3)) == pytest.approx(1.3)
 
 
-def test_bricks_of_a_wall_hang_together_and_stacks_do_not() -> None:
+def test_bricks_of_a_wall_hang_together_and_stacks_do_not():
     wall = order(brick_wall(8, 0))
     supports = {(support.supporter, support.supported) for support in wall.supports}
     assert {("brick 0", "brick 6"), ("brick 1", "brick 6"), ("brick 1", "brick 7")} <= supports
@@ -28,7 +26,7 @@ def test_bricks_of_a_wall_hang_together_and_stacks_do_not() -> None:
     assert not any({one.first, one.then} == {"brick 3", "brick 4"} for one in stacks.graph.dependencies)
 
 
-def test_rows_say_against_what_and_how_far(tmp_path: Path) -> None:
+def test_rows_say_against_what_and_how_far(tmp_path):
     row = speed.relations_row(500, 3.5, 0, 1)
     assert (row.baseline, row.bar) == ("Qhull alone", "<= 3.5x")
     assert row.value > 0
@@ -44,7 +42,7 @@ def test_rows_say_against_what_and_how_far(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
-def test_two_workers_are_held_against_one_process(tmp_path: Path) -> None:
+def test_two_workers_are_held_against_one_process(tmp_path):
     paths = [speed.written(stacks_of_four(8, k), tmp_path / f"{k}_scene.npz") for k in range(2)]
     rows = speed.many_rows(paths, lambda text: None)
     assert rows[0].what == "relations of 2 scenes, two workers, processes, wall"
@@ -52,14 +50,14 @@ def test_two_workers_are_held_against_one_process(tmp_path: Path) -> None:
 
 
 @in_checkout
-def test_what_is_no_commit_is_refused(tmp_path: Path) -> None:
+def test_what_is_no_commit_is_refused(tmp_path):
     with pytest.raises(InvalidInput, match="no-such-commit is no commit"):
         Trees(tmp_path, "no-such-commit")
 
 
 @in_checkout
 @pytest.mark.slow
-def test_a_commit_does_the_same_task_in_a_process_of_its_own(tmp_path: Path) -> None:
+def test_a_commit_does_the_same_task_in_a_process_of_its_own(tmp_path):
     trees = Trees(tmp_path, "HEAD")
     path = speed.written(stacks_of_four(8, 0), tmp_path / "stacks_scene.npz")
     ours, theirs = trees.measure("order", {"paths": [str(path)]}, 1)
@@ -77,15 +75,13 @@ def test_a_commit_does_the_same_task_in_a_process_of_its_own(tmp_path: Path) -> 
 
 
 @pytest.mark.slow
-def test_a_task_that_fails_says_so(tmp_path: Path) -> None:
+def test_a_task_that_fails_says_so(tmp_path):
     with pytest.raises(RuntimeError, match="order by this tree failed"):
         Trees(tmp_path, None).measure("order", {"paths": [str(tmp_path / "none_scene.npz")]}, 1)
 
 
 @pytest.mark.slow
-def test_waiting_is_measured_with_the_step_chosen_ahead_and_without(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_waiting_is_measured_with_the_step_chosen_ahead_and_without(tmp_path, monkeypatch):
     monkeypatch.setattr(speed, "WAITING", ("tower",))
     rows = speed.waiting_rows(Trees(tmp_path, None), range(500, 501), lambda text: None)
     assert [row.bar for row in rows] == ["<= 0.4", "<= 1", None]

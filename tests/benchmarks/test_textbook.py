@@ -13,7 +13,7 @@ from topple.topology.scene.scene import Scene
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_scene_stands_as_it_is_drawn_and_its_target_has_to_wait(name: str) -> None:
+def test_a_scene_stands_as_it_is_drawn_and_its_target_has_to_wait(name):
     parts, target = SCENES[name]
     drawn = {"table": box((120, 120, 2), 0, 0, -2), **parts}
     meshes = {key: Mesh(part / 100, hull_of(part)[1]) for key, part in drawn.items()}
@@ -25,11 +25,11 @@ def test_a_scene_stands_as_it_is_drawn_and_its_target_has_to_wait(name: str) -> 
 
 
 @pytest.mark.parametrize("name", FLAT)
-def test_a_cup_seals_on_a_flat_thing_whatever_the_noise(name: str) -> None:
+def test_a_cup_seals_on_a_flat_thing_whatever_the_noise(name):
     cup = cup_shape(robot("panda-suction"))
     assert all([seals(name, seed, cup) for seed in range(8)])
 
 
 @pytest.mark.slow
-def test_a_cup_frees_the_lowest_disc_by_a_plan_that_verifies() -> None:
+def test_a_cup_frees_the_lowest_disc_by_a_plan_that_verifies():
     assert trial("discs", "panda-suction", 0) == ""

@@ -24,7 +24,7 @@ def tower(aside: float, centre: float) -> np.ndarray:
     return blocks
 
 
-def test_towers_with_their_true_centres_are_told_as_statics_tells_them(tmp_path: Path) -> None:
+def test_towers_with_their_true_centres_are_told_as_statics_tells_them(tmp_path):
     some = np.stack([tower(0.03, 0.0), tower(0.06, 0.0), tower(0.03, 0.03), tower(0.06, -0.02)])
     labels = np.array([True, False, False, True])
     for name in FILES:
@@ -37,9 +37,7 @@ def test_towers_with_their_true_centres_are_told_as_statics_tells_them(tmp_path:
     assert found[0]["ok"]
 
 
-def test_a_pickle_that_asks_for_more_than_arrays_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_pickle_that_asks_for_more_than_arrays_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "a.pkl"
     path.write_bytes(pickle.dumps({"2block": {"towers": Harm(), "labels": []}}))

@@ -56,7 +56,7 @@ def figures(counts: Counts) -> dict[str, float]:
     return {figure.what: float(figure.value(counts.array())) for figure in FIGURES}
 
 
-def test_a_perfect_answer_is_counted_as_one() -> None:
+def test_a_perfect_answer_is_counted_as_one():
     found = figures(count(PERFECT, LABELS, RELATIONS))
     for figure in FIGURES:
         if figure.what != "Brier score of risk":
@@ -83,19 +83,19 @@ def test_a_perfect_answer_is_counted_as_one() -> None:
         ({"first": {**PERFECT["first"], "b": ["a", [], 2]}}, "needless removals", 1.0),
     ],
 )
-def test_each_fault_of_an_answer_is_counted(change: dict[str, object], figure: str, value: float) -> None:
+def test_each_fault_of_an_answer_is_counted(change, figure, value):
     found = figures(count({**PERFECT, **change}, LABELS, RELATIONS))
     assert found[figure] == pytest.approx(value)
 
 
-def test_what_is_refused_has_no_answer_and_found_nothing() -> None:
+def test_what_is_refused_has_no_answer_and_found_nothing():
     relations = {key: PERFECT[key] for key in ("names", "objects", "relations")}
     found = count({**relations, "refused": "InvalidInput: up is not known"}, LABELS, RELATIONS)
     assert (found.unanswered, found.missed, found.safe, found.related) == (1, 3, 0, 3)
     assert count({"refused": "gone"}, LABELS, RELATIONS).pairs == 0
 
 
-def test_what_no_camera_saw_is_asked_of_nobody() -> None:
+def test_what_no_camera_saw_is_asked_of_nobody():
     unseen = {
         **PERFECT,
         "names": [*"abc", "table"],
@@ -109,7 +109,7 @@ def test_what_no_camera_saw_is_asked_of_nobody() -> None:
     assert (found.missed, found.safe, found.pairs) == (0, 1, 2)
 
 
-def test_paired_differences_tell_chance_from_change() -> None:
+def test_paired_differences_tell_chance_from_change():
     rng = np.random.default_rng(0)
     f1 = next(figure for figure in FIGURES if figure.what == "F1 of the closure")
     theirs = np.zeros((200, len(COLUMN)))
@@ -127,7 +127,7 @@ def test_paired_differences_tell_chance_from_change() -> None:
 
 
 @pytest.mark.parametrize("how", [*INACCURATE, *WRONG])
-def test_masks_are_corrupted_as_their_name_says(how: str) -> None:
+def test_masks_are_corrupted_as_their_name_says(how):
     label = np.full((80, 80), 3)
     label[20:40, 10:40], label[20:40, 40:60] = 1, 2
     found, names, wrong = corrupt(label, ["a", "b", "table"], how, "table", np.random.default_rng(0))
@@ -141,7 +141,7 @@ def test_masks_are_corrupted_as_their_name_says(how: str) -> None:
         assert (found != label).sum() <= 4 * int(how[-1]) * 150 and set(np.unique(found)) <= {1, 2, 3}
 
 
-def test_what_is_taken_from_under_a_missing_mask_and_what_is_said_of_masks_is_counted() -> None:
+def test_what_is_taken_from_under_a_missing_mask_and_what_is_said_of_masks_is_counted():
     bare = {**PERFECT, "first": {"a": ["a", [], 1]}, "assumptions": ["the mask of 'c' is level with 'table'"]}
     found = count(bare, LABELS, RELATIONS, MaskFaults(without=("b",), wrong=("c", "d")))
     assert (found.covered, found.bared, found.faulty, found.said, found.true) == (1, 1, 2, 1, 0)
@@ -149,7 +149,7 @@ def test_what_is_taken_from_under_a_missing_mask_and_what_is_said_of_masks_is_co
     assert (found.covered, found.bared, found.faulty, found.true, found.alarms) == (0, 0, 0, 4, 1)
 
 
-def test_floors_only_rise(tmp_path: Path) -> None:
+def test_floors_only_rise(tmp_path):
     f1, false = ("pool", "whole", "F1 of the closure"), ("pool", "whole", "false contacts")
     first = Floors({}).raised({f1: 0.9, false: -0.02}, {f1: 0.02, false: 0.01}, "a2ac90c")
     assert (first.floors[f1].floor, first.floors[false].floor) == pytest.approx((0.87, 0.035))
@@ -166,7 +166,7 @@ def test_floors_only_rise(tmp_path: Path) -> None:
         Floors.read(file)
 
 
-def test_the_floors_of_this_tree_are_of_all_views() -> None:
+def test_the_floors_of_this_tree_are_of_all_views():
     floors = Floors.read(FLOORS).floors
     of_masks = {"taken at once from under what has no mask, in silence", "masks wrong in kind that are said"}
     decide = {figure.what for figure in FIGURES if figure.worst is not None} - of_masks
@@ -176,7 +176,7 @@ def test_the_floors_of_this_tree_are_of_all_views() -> None:
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.name)
-def test_what_is_planted_stands_in_the_code_once(change) -> None:
+def test_what_is_planted_stands_in_the_code_once(change):
     assert (ROOT / change.file).read_text().count(change.before) == 1
     assert change.after != change.before
 
@@ -194,8 +194,8 @@ def given(tmp_path: Path, stack: RestingScene) -> Path:
 
 
 def test_a_version_answers_in_a_process_of_its_own_and_is_not_asked_twice(
-    version: Version, given: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    version, given, tmp_path, monkeypatch
+):
     question = Question("stack", given, ("low", "high"))
     said: list[str] = []
     found = answers(version, [question], tmp_path / "kept", said.append)[question]
@@ -210,16 +210,14 @@ def test_a_version_answers_in_a_process_of_its_own_and_is_not_asked_twice(
     assert len(said) == 1
 
 
-def test_another_version_than_the_one_meant_is_not_asked(
-    version: Version, given: Path, tmp_path: Path
-) -> None:
+def test_another_version_than_the_one_meant_is_not_asked(version, given, tmp_path):
     folder = tmp_path / "a:b"  # which a list of paths takes apart
     version.folder.rename(folder)
     with pytest.raises(ToppleError, match="cannot be asked"):
         answers(replace(version, folder=folder), [Question("stack", given)], tmp_path / "kept", silent)
 
 
-def test_a_fault_of_one_question_costs_that_one(version: Version, given: Path, tmp_path: Path) -> None:
+def test_a_fault_of_one_question_costs_that_one(version, given, tmp_path):
     asked = version.folder / "topple" / "planner" / "__init__.py"
     asked.write_text(
         asked.read_text() + "\n\nimport os\nfrom topple.planner.planning import order as _order\n"
@@ -240,7 +238,7 @@ def test_a_fault_of_one_question_costs_that_one(version: Version, given: Path, t
 
 
 @in_checkout
-def test_a_commit_is_kept_as_it_was(tmp_path: Path) -> None:
+def test_a_commit_is_kept_as_it_was(tmp_path):
     found = of_commit("HEAD", tmp_path)
     assert found.name == (commit_now() or "").rstrip("+")
     assert (found.folder / "topple" / "topology" / "scene" / "scene.py").is_file()
@@ -256,8 +254,8 @@ def test_a_commit_is_kept_as_it_was(tmp_path: Path) -> None:
 
 
 def test_a_worse_version_is_refused_against_a_better_one_and_below_its_floors(
-    version: Version, stack: RestingScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    version, stack, tmp_path, monkeypatch
+):
     labels, relations = labelled(stack)
     scenes = [
         pool.PoolScene("designed", "over", 7 + k, pool.shapes_of(stack), labels, relations) for k in range(2)
@@ -285,7 +283,7 @@ def test_a_worse_version_is_refused_against_a_better_one_and_below_its_floors(
     assert any("F1 of the closure" in line for line in markdown(bad))
 
 
-def test_given_scenes_are_rendered_once(stack: RestingScene, tmp_path: Path) -> None:
+def test_given_scenes_are_rendered_once(stack, tmp_path):
     scene = pool.PoolScene("designed", "over", 7, pool.shapes_of(stack), {}, {})
     said: list[str] = []
     cases = pool_cases([scene], tmp_path, said.append, looks=2)

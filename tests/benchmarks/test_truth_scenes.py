@@ -1,7 +1,5 @@
 """The scenes of the gate of truth: labels that physics gives, the pool, what cameras see, and jitter."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from at_rest import at_rest, labelled
@@ -10,14 +8,13 @@ from topple.benchmarks.truth import gate, pool
 from topple.benchmarks.truth.asked import FAR, LEFT, jittered
 from topple.benchmarks.truth.cases import FEW, GATED, MANY, drawn, few
 from topple.benchmarks.truth.oracle import labels_of
-from topple.benchmarks.truth.resting import RestingScene
 from topple.benchmarks.truth.views import VIEWS, seen
 from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology.base.errors import InvalidInput
 
 
-def test_what_stands_on_what_is_lifted_has_to_go_first(stack: RestingScene) -> None:
+def test_what_stands_on_what_is_lifted_has_to_go_first(stack):
     labels, relations = labelled(stack)
     assert labels["low"] == {"high": 1, "apart": 0}
     assert labels["high"] == {"low": 0, "apart": 0}
@@ -25,7 +22,7 @@ def test_what_stands_on_what_is_lifted_has_to_go_first(stack: RestingScene) -> N
     assert relations["high", "table"] == relations["low", "apart"] == "disjoint"
 
 
-def test_a_light_thing_under_a_heavy_bowl_lifts_it(stack: RestingScene) -> None:
+def test_a_light_thing_under_a_heavy_bowl_lifts_it(stack):
     upside_down = np.diag([1.0, -1.0, -1.0, 1.0])
     upside_down[2, 3] = 0.0605
     over = at_rest(
@@ -36,7 +33,7 @@ def test_a_light_thing_under_a_heavy_bowl_lifts_it(stack: RestingScene) -> None:
     assert labels == {"cookie": {"bowl": 1}, "bowl": {"cookie": 0}}, "it falls back to where it stood"
 
 
-def test_what_lies_in_a_bowl_is_in_it() -> None:
+def test_what_lies_in_a_bowl_is_in_it():
     full = at_rest(
         (shapes.bowl("bowl", diameter=0.18, height=0.07), pose_at(0, 0, 0)),
         (shapes.ball("ball", diameter=0.04), pose_at(0, 0, 0.02)),
@@ -46,7 +43,7 @@ def test_what_lies_in_a_bowl_is_in_it() -> None:
     assert labels == {"bowl": {"ball": 1}, "ball": {"bowl": 0}}
 
 
-def test_the_pool_has_every_kind_and_each_commit_draws_its_own() -> None:
+def test_the_pool_has_every_kind_and_each_commit_draws_its_own():
     every = pool.pool()
     assert {scene.set for scene in every} == set(pool.SETS)
     assert len({scene.kind for scene in every if scene.set == "designed"}) == 8
@@ -61,7 +58,7 @@ def test_the_pool_has_every_kind_and_each_commit_draws_its_own() -> None:
     assert len(few()) == FEW * len(GATED)
 
 
-def test_a_made_scene_is_packed_and_read_back(tmp_path: Path) -> None:
+def test_a_made_scene_is_packed_and_read_back(tmp_path):
     entries = [pool.made("designed", seed) for seed in (pool.FIRST_SEED + 5, pool.FIRST_SEED + 22)]
     path = tmp_path / "pool.npz"
     pool.pack([*entries, {"set": "built", "seed": 3, "failed": "nothing stands"}], path)
@@ -81,7 +78,7 @@ def test_a_made_scene_is_packed_and_read_back(tmp_path: Path) -> None:
         pool.pool(tmp_path / "none.npz")
 
 
-def test_cameras_see_what_whole_surfaces_have(stack: RestingScene) -> None:
+def test_cameras_see_what_whole_surfaces_have(stack):
     whole, one, three = (seen(stack, cameras, 0) for cameras in VIEWS.values())
     names = list(whole["names"])
     assert names == list(one["names"]) == [*stack.poses, "table"]
@@ -96,7 +93,7 @@ def test_cameras_see_what_whole_surfaces_have(stack: RestingScene) -> None:
 
 
 @pytest.mark.parametrize("variant", gate.VARIANTS)
-def test_jitter_changes_what_it_says_alone(variant: str, stack: RestingScene) -> None:
+def test_jitter_changes_what_it_says_alone(variant, stack):
     whole, image = dict(seen(stack, 0, 0)), dict(seen(stack, 1, 0))
     clouds, frame = jittered(whole, variant), jittered(image, variant)
     before, after = whole["cloud_0"], clouds["cloud_0"]

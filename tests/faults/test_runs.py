@@ -2,14 +2,14 @@
 
 import pytest
 
-from topple.benchmarks.faults.inject import FAULTS, Fault, play
+from topple.benchmarks.faults.inject import FAULTS, play
 
 SEED = 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name.replace(" ", "-"))
-def test_a_run_survives(fault: Fault) -> None:
+def test_a_run_survives(fault):
     run = play(fault, SEED)
     assert run.crashed == ""
     assert not run.lied, run.text

@@ -42,9 +42,7 @@ def spent(work: Callable[[], object]) -> float:
 @pytest.mark.parametrize("fixed", [["table"], ["table", "hollow"]], ids=["movable", "fixed"])
 @pytest.mark.parametrize("count", [3_000, 20_000])
 @pytest.mark.parametrize("size", [1.0, 3.0, 19.0])
-def test_what_encloses_a_stack_takes_no_longer_for_its_size(
-    size: float, count: int, fixed: list[str]
-) -> None:
+def test_what_encloses_a_stack_takes_no_longer_for_its_size(size, count, fixed):
     clouds = {**stack(), "hollow": box(size, (0.0, 0.0, 0.3), count)}
     scene = Scene(clouds, fixed, UP)
     assert spent(lambda: relate(scene)) < SECONDS
@@ -55,7 +53,7 @@ def test_what_encloses_a_stack_takes_no_longer_for_its_size(
         assert among.between(pair.a, pair.b).relation is pair.relation
 
 
-def test_the_hull_of_what_encloses_is_its_hull() -> None:
+def test_the_hull_of_what_encloses_is_its_hull():
     clouds = {**stack(), "hollow": box(3.0, (0.0, 0.0, 0.3), 20_000)}
     pair = relate(Scene(clouds, ["table"], UP), plain=True).between("box_0", "hollow")
     relation, matrix = plain_relations(clouds, 0.002)["box_0", "hollow"]
@@ -64,7 +62,7 @@ def test_the_hull_of_what_encloses_is_its_hull() -> None:
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.2], ids=["identical", "disjoint"])
-def test_more_objects_than_a_stated_number_are_refused_at_once(apart: float) -> None:
+def test_more_objects_than_a_stated_number_are_refused_at_once(apart):
     small = box(0.05, (0.0, 0.0, 0.0), 40)
     scene = Scene(
         {f"o{k}": small + np.array([apart * (k % 60), apart * (k // 60), 0.0]) for k in range(3000)}, up=UP
@@ -79,13 +77,13 @@ def test_more_objects_than_a_stated_number_are_refused_at_once(apart: float) -> 
         tracemalloc.stop()
 
 
-def test_pairs_that_are_near_each_other_count_too() -> None:
+def test_pairs_that_are_near_each_other_count_too():
     small = box(0.05, (0.0, 0.0, 0.0), 40)
     with pytest.raises(InvalidInput, match="124750 pairs of objects near each other, and 10000 are allowed"):
         relate(Scene({f"o{k}": small for k in range(MOST_OBJECTS)}, up=UP))
 
 
-def test_the_number_is_an_option() -> None:
+def test_the_number_is_an_option():
     small = box(0.05, (0.0, 0.0, 0.0), 40)
     scene = Scene({f"o{k}": small + np.array([0.2 * k, 0.0, 0.0]) for k in range(4)}, up=UP)
     with pytest.raises(InvalidInput, match="4 objects, and 3 are allowed"):

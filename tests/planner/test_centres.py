@@ -48,7 +48,7 @@ def overhanging(world: World, centre: tuple[float, float, float]) -> Scene:
     return scene_from_world(world.client, names={number: name for name, number in world.ids.items()})
 
 
-def test_a_rebuilt_world_has_the_weight_where_it_is(world: World) -> None:
+def test_a_rebuilt_world_has_the_weight_where_it_is(world):
     scene = overhanging(world, IN)
     for centre, stays in ((IN, True), (OUT, False)):
         rebuilt = rebuild(Statics.of(scene.weighed(centres={"plank": centre})))
@@ -61,7 +61,7 @@ def test_a_rebuilt_world_has_the_weight_where_it_is(world: World) -> None:
         stage.close()
 
 
-def test_a_plank_is_built_where_its_centre_lets_it_stand() -> None:
+def test_a_plank_is_built_where_its_centre_lets_it_stand():
     sizes = {"block": (0.12, 0.12, 0.2), "plank": (0.3, 0.08, 0.02), "weight": (0.05, 0.05, 0.05)}
     places = {"block": (0, 0, 0.1), "plank": (0.08, 0, 0.21), "weight": (-0.03, 0, 0.245)}
     clouds = {"table": np.stack(np.meshgrid(*(np.linspace(-0.3, 0.3, 120),) * 2, 0.0), -1).reshape(-1, 3)}
@@ -74,7 +74,7 @@ def test_a_plank_is_built_where_its_centre_lets_it_stand() -> None:
         assert ("plank" not in falling_in(Statics.of(scene))(placed, frozenset())) == stands
 
 
-def test_a_box_with_a_heavy_side_falls_over_when_it_is_put_down() -> None:
+def test_a_box_with_a_heavy_side_falls_over_when_it_is_put_down():
     tall = shapes.box("tall", (0.04, 0.04, 0.16))
     cloud = tall.surface(3000, np.random.default_rng(0)) + 0.08 * UP
     parts = [part + (cloud[:, 2].min() - part[:, 2].min()) * UP for part in tall.parts]
@@ -91,7 +91,7 @@ def test_a_box_with_a_heavy_side_falls_over_when_it_is_put_down() -> None:
         assert any(rest.turn < 0.1 and not rest.rolls for rest in steady) == stays
 
 
-def test_a_cup_holds_a_box_over_its_weight(world: World) -> None:
+def test_a_cup_holds_a_box_over_its_weight(world):
     world.add_table("table", size=(1.0, 1.0))
     pose = np.eye(4)
     world.add(shapes.box("crate", (0.16, 0.1, 0.06)), pose)
@@ -107,7 +107,7 @@ def test_a_cup_holds_a_box_over_its_weight(world: World) -> None:
     assert places[1] > places[0] + 0.03
 
 
-def test_what_is_carried_weighs_where_its_centre_is() -> None:
+def test_what_is_carried_weighs_where_its_centre_is():
     crate: Body = shapes.box("crate", (0.16, 0.1, 0.06))
     cloud = crate.surface(2000, np.random.default_rng(0))
     scene = Scene({"crate": cloud}, up=UP, masses={"crate": 1.5}, centres={"crate": (0.05, 0.0, 0.01)})

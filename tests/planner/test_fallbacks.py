@@ -9,7 +9,7 @@ from topple.planner.fallbacks import RELAXATIONS, selected
 from topple.topology.base.errors import InvalidInput
 
 
-def test_every_relaxation_has_words_of_its_own_and_the_count_that_the_benchmark_wrote() -> None:
+def test_every_relaxation_has_words_of_its_own_and_the_count_that_the_benchmark_wrote():
     text = (Path(__file__).parents[2] / "benchmarks" / "run.md").read_text()
     for row in RELAXATIONS:
         stood = re.search(rf"fallback {row}, of 3951 \| (\d+)", text)
@@ -19,7 +19,7 @@ def test_every_relaxation_has_words_of_its_own_and_the_count_that_the_benchmark_
     assert len({words for row in RELAXATIONS for words in (row.when, row.changes)}) == 2 * len(RELAXATIONS)
 
 
-def test_a_selection_is_of_the_table_alone() -> None:
+def test_a_selection_is_of_the_table_alone():
     assert selected("narrow") == {"narrow"}
     with pytest.raises(InvalidInput, match="unknown relaxation 'magic': expected some of another first, "):
         selected(["narrow", "magic"])

@@ -76,7 +76,7 @@ def overhanging(pile: Pile) -> Scene:
     return pile.seen()
 
 
-def test_a_plank_depends_on_the_heavy_cube_that_holds_it_down(pile: Pile) -> None:
+def test_a_plank_depends_on_the_heavy_cube_that_holds_it_down(pile):
     scene = overhanging(pile)
     assert scene.masses == {"block": 1.0, "plank": 0.3, "cube": 1.5}
     found = order(scene)
@@ -86,7 +86,7 @@ def test_a_plank_depends_on_the_heavy_cube_that_holds_it_down(pile: Pile) -> Non
     assert pile.take("cube")["plank"] > 2 * KEPT
 
 
-def test_what_is_taken_in_groups_moves_nothing_else(pile: Pile) -> None:
+def test_what_is_taken_in_groups_moves_nothing_else(pile):
     found = order(overhanging(pile))
     left = list(found.order)
     assert sorted(left) == ["block", "cube", "plank"]
@@ -97,13 +97,13 @@ def test_what_is_taken_in_groups_moves_nothing_else(pile: Pile) -> None:
 
 
 @pytest.mark.parametrize("masses", [{}, {"cube": 0.02, "plank": 0.3}])
-def test_a_light_cube_holds_no_plank(pile: Pile, masses: dict[str, float]) -> None:
+def test_a_light_cube_holds_no_plank(pile, masses):
     scene = overhanging(pile)
     light = Scene(scene.clouds, scene.fixed, scene.up, masses=masses)
     assert order(light).graph.between("plank", "cube") is None
 
 
-def test_a_load_goes_before_the_cube_that_balances_it(pile: Pile) -> None:
+def test_a_load_goes_before_the_cube_that_balances_it(pile):
     pile.add("table", (1.0, 0.8, 0.02), (0, 0, -0.01), 0.0)
     pile.add("block", (0.12, 0.12, 0.10), (0, 0, 0.05), 1.0)
     pile.add("plank", (0.36, 0.10, 0.01), (0.05, 0, 0.105), 0.3)
@@ -136,16 +136,14 @@ def leaning(pile: Pile, friction: float) -> Scene:
 
 
 @pytest.mark.parametrize(("friction", "stays"), [(0.8, True), (0.3, False)])
-def test_a_leaning_plank_needs_its_stopper_where_it_is_slippery(
-    pile: Pile, friction: float, stays: bool
-) -> None:
+def test_a_leaning_plank_needs_its_stopper_where_it_is_slippery(pile, friction, stays):
     scene = leaning(pile, friction)
     assert scene.friction == {"table": 1.0, "wall": 1.0, "plank": friction, "stopper": 1.0}
     assert (order(scene).graph.between("plank", "stopper") is None) is stays
     assert (pile.take("stopper")["plank"] < KEPT) is stays
 
 
-def test_a_rebuilt_world_has_the_masses_and_the_friction_that_were_given(pile: Pile) -> None:
+def test_a_rebuilt_world_has_the_masses_and_the_friction_that_were_given(pile):
     scene = overhanging(pile).weighed(friction={"table": 0.9, "cube": 0.33})
     stage = Stage(rebuild(Statics.of(scene)), 0.4, 0.4)
     world = stage.world
@@ -162,7 +160,7 @@ def test_a_rebuilt_world_has_the_masses_and_the_friction_that_were_given(pile: P
     assert moved["plank"].distance > KEPT
 
 
-def test_what_is_given_is_no_longer_assumed(pile: Pile) -> None:
+def test_what_is_given_is_no_longer_assumed(pile):
     scene = overhanging(pile)
     bare = Scene(scene.clouds, scene.fixed, scene.up)
     said = order(bare).assumptions
@@ -174,7 +172,7 @@ def test_what_is_given_is_no_longer_assumed(pile: Pile) -> None:
     assert not any("not given" in line for line in order(scene).assumptions)
 
 
-def test_grams_for_kilograms_are_pointed_out(pile: Pile) -> None:
+def test_grams_for_kilograms_are_pointed_out(pile):
     said = order(overhanging(pile).weighed({"plank": 300.0})).assumptions
     assert [
         line for line in said if "denser than any matter" in line and line.startswith("plank was given 300")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moving import at
 
 from topple.planner.cli.main import main
 from topple.planner.execution.run import run
@@ -44,9 +45,8 @@ def options(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
-def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path, Path | None]) -> None:
-    base = np.eye(4)
-    base[0, 3] = -0.45
+def test_a_plan_holds_and_finds_its_arm_again(scene, options):
+    base = at(-0.45, 0.0, 0.0)
     found = plan(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
     again = plan_from_json(plan_to_json(found))
     assert again == found
@@ -59,9 +59,8 @@ def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path,
 
 @pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
-def test_a_run_in_pybullet_succeeds(scene: Scene, options: tuple[Path, Path | None]) -> None:
-    base = np.eye(4)
-    base[0, 3] = -0.45
+def test_a_run_in_pybullet_succeeds(scene, options):
+    base = at(-0.45, 0.0, 0.0)
     record = run(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
     assert record.success, record.violations
 
@@ -71,19 +70,17 @@ def saved(scene: Scene, folder: Path) -> str:
     return str(folder / "scene.npz")
 
 
-def test_the_commands_take_a_urdf(scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_commands_take_a_urdf(scene, tmp_path, typed):
     path, place = saved(scene, tmp_path), tmp_path / "plan.json"
     target = ["--target", "cube", "--robot", str(PANDA)]
-    assert main(["plan", path, *target, "--base", "-0.45", "0", "0", "0", "--verify", "-o", str(place)]) == 0
-    assert "every residual at most 0" in capsys.readouterr().out
+    out = typed("plan", path, *target, "--base", "-0.45", "0", "0", "0", "--verify", "-o", place).out
+    assert "every residual at most 0" in out
     assert main(["export", str(place), "--to", "moveit"]) == 0
     assert main(["order", path, *target]) == 0
 
 
 @pytest.mark.parametrize("command", ["order", "plan", "run"])
-def test_an_arm_without_a_tool_is_told_what_to_write(
-    scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
-) -> None:
+def test_an_arm_without_a_tool_is_told_what_to_write(scene, tmp_path, capsys, command):
     """The iiwa of pybullet_data ends in a bare flange."""
     path = saved(scene, tmp_path)
     flange = str(data_path() / "kuka_iiwa" / "model.urdf")
@@ -95,18 +92,14 @@ def test_an_arm_without_a_tool_is_told_what_to_write(
         assert 'cup = {link = "lbr_iiwa_link_7"' in lines[0] and "--gripper FILE.toml" in lines[0]
 
 
-def test_a_gripper_needs_a_robot_of_ones_own(
-    scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_gripper_needs_a_robot_of_ones_own(scene, tmp_path, typed):
     path = saved(scene, tmp_path)
     (tmp_path / "cup.toml").write_text(CUP)
     gripper = ["--gripper", str(tmp_path / "cup.toml")]
-    assert main(["order", path, *gripper]) == 2
-    assert "--gripper is what the robot holds with" in capsys.readouterr().err
-    assert main(["plan", path, "--target", "cube", *gripper]) == 2
-    assert "panda has a hand of its own" in capsys.readouterr().err
+    assert "--gripper is what the robot holds with" in typed("order", path, *gripper, code=2).err
+    assert "panda has a hand of its own" in typed("plan", path, "--target", "cube", *gripper, code=2).err
 
 
-def test_in_python_the_same_words(scene: Scene) -> None:
+def test_in_python_the_same_words(scene):
     with pytest.raises(InvalidInput, match="nothing to take hold with"):
         plan(scene, ["cube"], robot(data_path() / "kuka_iiwa" / "model.urdf"))

@@ -33,13 +33,16 @@ def down(x: float, y: float, z: float, turn: float = 0.0) -> np.ndarray:
     return pose
 
 
+PINCH = Grasp("aside", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)
+
+
 def stacked() -> Scene:
     """A block on a block, and one aside."""
     places = {"lower": (0.0, 0.0, 0.0), "upper": (0.0, 0.0, 0.0505), "aside": (0.0, 0.2, 0.0)}
     return on_table(*((box(name, (0.05, 0.05, 0.05)), at) for name, at in places.items()), half=0.35)
 
 
-def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever() -> None:
+def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever():
     scene = stacked()
     # many that stand in the block, one beside it, and one that nobody's search would find: turned by 0.1 rad
     poses = [*(down(0.0, 0.0, 0.06) for _ in range(40)), down(0.2, -0.2, 0.1), down(0.004, 0.0, 0.086, 0.1)]
@@ -54,7 +57,7 @@ def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever
     assert found.verify(scene).ok
 
 
-def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan() -> None:
+def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan():
     scene = stacked()
     high = Grasp("aside", "pinch", down(0.0, 0.2, 0.02), 0.05, 0.06, 1.0)  # the palm meets the top
     sunk = replace(high, pose_tool_to_world=down(0.0, 0.2, -0.02))
@@ -67,25 +70,13 @@ def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan() -> None:
 @pytest.mark.parametrize(
     ("given", "error", "words"),
     [
-        (
-            [Grasp("", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)],
-            InvalidInput,
-            "grasp 0 names no object",
-        ),
+        ([replace(PINCH, object="")], InvalidInput, "grasp 0 names no object"),
         ({"cup": []}, UnknownObject, "cup"),
-        (
-            {"aside": [Grasp("lower", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)]},
-            InvalidInput,
-            "is given for",
-        ),
-        (
-            [Grasp("aside", "suction", down(0.0, 0.2, 0.05), 0.0, 0.0, 1.0)],
-            InvalidInput,
-            "panda has no suction",
-        ),
+        ({"aside": [replace(PINCH, object="lower")]}, InvalidInput, "is given for"),
+        ([replace(PINCH, kind="suction")], InvalidInput, "panda has no suction"),
     ],
 )
-def test_grasps_that_do_not_fit_are_refused(given: Any, error: type[Exception], words: str) -> None:
+def test_grasps_that_do_not_fit_are_refused(given, error, words):
     for act in (plan, run):
         with pytest.raises(error, match=words):
             act(stacked(), ["aside"], "panda", base=BASE, grasps=given)
@@ -103,11 +94,9 @@ def aside_first(scene: Scene, targets: Sequence[str], **_: object) -> Order:
 
 
 @pytest.mark.slow
-def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
-    assert [step.object for step in plan(stacked(), ["lower"], "panda", base=BASE).steps] == [
-        "upper",
-        "lower",
-    ]
+def test_an_orderer_of_the_callers_own_is_asked_for_the_order():
+    plain = plan(stacked(), ["lower"], "panda", base=BASE)
+    assert [step.object for step in plain.steps] == ["upper", "lower"]
     asked: list[tuple[str, ...]] = []
 
     def orderer(scene: Situation, targets: Sequence[str], **known: Any) -> Order:
@@ -121,7 +110,7 @@ def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
     assert asked[0] == ("lower",)
 
 
-def test_an_orderer_that_gives_no_order_is_refused() -> None:
+def test_an_orderer_that_gives_no_order_is_refused():
     def names(scene: Situation, targets: Sequence[str], **_: object) -> Any:
         return ["upper", "lower"]
 
@@ -130,7 +119,7 @@ def test_an_orderer_that_gives_no_order_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None:
+def test_relations_of_the_callers_own_are_what_the_order_is_asked_with():
     scene, seen = stacked(), list[Relations]()
     mine = relate(scene)
 
@@ -154,7 +143,7 @@ def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None
 
 
 @pytest.mark.slow
-def test_a_run_takes_the_callers_grasps_and_order() -> None:
+def test_a_run_takes_the_callers_grasps_and_order():
     scene, asked = stacked(), list[tuple[str, ...]]()
 
     def orderer(given: Situation, targets: Sequence[str], **known: Any) -> Order:

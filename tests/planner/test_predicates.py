@@ -72,7 +72,7 @@ def stacked() -> tuple[Any, Any]:
     )
 
 
-def test_what_lies_on_what_is_told_of_a_mujoco_world_with_nested_and_leaning_things() -> None:
+def test_what_lies_on_what_is_told_of_a_mujoco_world_with_nested_and_leaning_things():
     world = stacked()
     told: dict[Predicate, bool | None] = {
         On("mug", "plate"): True,
@@ -98,7 +98,7 @@ def test_what_lies_on_what_is_told_of_a_mujoco_world_with_nested_and_leaning_thi
     assert {predicate: predicate(*world) for predicate in told} == told
 
 
-def test_what_is_held_over_a_plate_is_not_on_it_until_it_is_let_go() -> None:
+def test_what_is_held_over_a_plate_is_not_on_it_until_it_is_let_go():
     """A weld holds it high, then a fifth of a millimetre above the plate; then it is let go."""
     mujoco = pytest.importorskip("mujoco")
     hand = '<body name="hand" mocap="true" pos="0 0 .3"/>'
@@ -123,7 +123,7 @@ def test_what_is_held_over_a_plate_is_not_on_it_until_it_is_let_go() -> None:
     assert Stable("mug")(model, data) is True
 
 
-def test_what_slides_is_not_told_and_what_rides_on_a_moving_tray_is_on_it(client: int) -> None:
+def test_what_slides_is_not_told_and_what_rides_on_a_moving_tray_is_on_it(client):
     import pybullet
 
     floor = bullet_box(client, (5, 5, 0.1), (0, 0, -0.1), 0.0)
@@ -157,7 +157,7 @@ def test_what_slides_is_not_told_and_what_rides_on_a_moving_tray_is_on_it(client
     assert On(names[tray], names[floor])(client) is None
 
 
-def test_worlds_of_topple_and_scenes_answer_alike() -> None:
+def test_worlds_of_topple_and_scenes_answer_alike():
     with World() as world:
         world.add_table(size=(1.0, 1.0))
         at = np.eye(4)
@@ -172,7 +172,7 @@ def test_worlds_of_topple_and_scenes_answer_alike() -> None:
         assert Stable("bowl")(world) is True
 
 
-def test_scenes_say_what_statics_says_and_not_what_no_camera_saw() -> None:
+def test_scenes_say_what_statics_says_and_not_what_no_camera_saw():
     def block(size: tuple[float, float, float], at: tuple[float, float, float]) -> Mesh:
         corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
         from topple.robots.collision.convex import hull_of
@@ -200,7 +200,7 @@ def test_scenes_say_what_statics_says_and_not_what_no_camera_saw() -> None:
         On("mug", "book")("scene.npz")
 
 
-def test_piles_of_twenty_bodies_are_answered_in_both_simulators(client: int) -> None:
+def test_piles_of_twenty_bodies_are_answered_in_both_simulators(client):
     import pybullet
 
     bullet_box(client, (1, 1, 0.1), (0, 0, -0.1), 0.0)

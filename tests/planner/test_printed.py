@@ -1,12 +1,9 @@
 """What `print` shows of scene, relations, order, plan and run: short, as the command line says it."""
 
-from pathlib import Path
-
 import pytest
 from on_table import on_table
 
 import topple
-from topple.planner.cli.main import main
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.robots.shapes import box
 from topple.topology import Scene
@@ -14,19 +11,16 @@ from topple.topology import Scene
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    book, mug, far = (
-        box("book", (0.2, 0.15, 0.04)),
-        box("mug", (0.08, 0.08, 0.1)),
-        box("far", (0.05, 0.05, 0.1)),
-    )
+    book, mug = box("book", (0.2, 0.15, 0.04)), box("mug", (0.08, 0.08, 0.1))
+    far = box("far", (0.05, 0.05, 0.1))
     return on_table((book, (0, 0, 0)), (mug, (0, 0, 0.04)), (far, (0.3, 0.3, 0)), points=600)
 
 
-def test_a_scene_says_its_objects_and_what_never_moves(scene: Scene) -> None:
+def test_a_scene_says_its_objects_and_what_never_moves(scene):
     assert str(scene).splitlines()[:2] == ["3 objects: book, mug, far", "fixed: table"]
 
 
-def test_relations_are_asked_by_two_names_and_print_the_pairs_that_meet(scene: Scene) -> None:
+def test_relations_are_asked_by_two_names_and_print_the_pairs_that_meet(scene):
     relations = topple.relate(scene)
     assert relations["mug", "book"] == relations.between("mug", "book")
     assert str(relations["mug", "book"]).startswith("mug touch book ")
@@ -37,9 +31,7 @@ def test_relations_are_asked_by_two_names_and_print_the_pairs_that_meet(scene: S
     assert last == "disjoint: 3 of 6 pairs"
 
 
-def test_an_order_gives_its_steps_and_prints_what_the_command_line_says(
-    scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_order_gives_its_steps_and_prints_what_the_command_line_says(scene, tmp_path, typed):
     found = topple.order(scene, "book")
     mug, book = found
     assert found.next == mug == ("mug", "it rests on book.", found.risk["mug"], ())
@@ -47,8 +39,7 @@ def test_an_order_gives_its_steps_and_prints_what_the_command_line_says(
     assert found.as_taken(()).next is None
     path = str(tmp_path / "scene.npz")
     scene.save(path)
-    assert main(["order", path, "--target", "book"]) == 0
-    said, printed = capsys.readouterr().out, str(found).splitlines()
+    said, printed = typed("order", path, "--target", "book").out, str(found).splitlines()
     assert said.startswith(f"{path}: {printed[0]}\n") and len(str(found)) < 400
     assert all(word in said for line in printed[1:] for word in line.split())
 
@@ -63,14 +54,14 @@ def test_an_order_gives_its_steps_and_prints_what_the_command_line_says(
         ("lemon within bowl", (), (), "lemon within bowl: reached in 2 moves. Nothing else moved."),
     ],
 )
-def test_a_run_comes_to_one_line(goal: str, violations: tuple[str], missing: tuple[str], said: str) -> None:
+def test_a_run_comes_to_one_line(goal, violations, missing, said):
     steps = (StepRecord("cup", "remove", True), StepRecord("plate", "free", True))
     record = RunRecord(goal, "panda", 0, not violations, violations, steps, missing=missing)
     assert record.summary == said
     assert str(record).splitlines()[1].split()[:3] == ["1", "cup", "remove"]
 
 
-def test_the_document_of_a_run_has_what_stopped_a_lift_and_what_came_in_unseen() -> None:
+def test_the_document_of_a_run_has_what_stopped_a_lift_and_what_came_in_unseen():
     stopped = StepRecord("plate", "free", False, stopped_by={"cup": 0.00312})
     found = RunRecord("free plate", "panda", 0, False, steps=(stopped, StepRecord("cup", "remove", True)))
     assert found.to_json()["stops"] == [{"object": "plate", "moved": "cup", "mm": 3.1}]

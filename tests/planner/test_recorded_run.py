@@ -46,12 +46,10 @@ def played() -> Iterator[Played]:
         yield Played(record, recording, arm, world)
 
 
-def test_the_run_succeeds_and_says_what_it_did(played: Played) -> None:
+def test_the_run_succeeds_and_says_what_it_did(played):
     assert played.record.success, played.record.violations
-    assert [(step.object, step.action) for step in played.record.steps] == [
-        ("block", "remove"),
-        ("plate", "free"),
-    ]
+    taken = [(step.object, step.action) for step in played.record.steps]
+    assert taken == [("block", "remove"), ("plate", "free")]
     for step in played.record.steps:
         assert step.slip is not None and step.slip[0] < 0.01
         assert step.to_json()["slip"] == list(step.slip)
@@ -62,7 +60,7 @@ def test_the_run_succeeds_and_says_what_it_did(played: Played) -> None:
     assert all(keys <= set(step) for step in told["steps"])
 
 
-def test_nothing_jumps(played: Played) -> None:
+def test_nothing_jumps(played):
     times, poses = np.array(played.recording.times), played.recording.poses
     assert set(played.world.movable) == {"plate", "block"}
     for name in played.world.movable:
@@ -72,7 +70,7 @@ def test_nothing_jumps(played: Played) -> None:
         assert np.linalg.norm(place[-1] - place[0]) > 0.05, f"{name} was moved"
 
 
-def test_nothing_is_glued(played: Played) -> None:
+def test_nothing_is_glued(played):
     cup = played.arm.cup
     assert cup is not None
     tied = {constraint for sample in played.recording.constraints for constraint in sample}
@@ -87,7 +85,7 @@ def test_nothing_is_glued(played: Played) -> None:
     assert all(constraint.kind == GEAR for constraint in at_the_end)
 
 
-def test_every_link_still_collides_with_everything(played: Played) -> None:
+def test_every_link_still_collides_with_everything(played):
     """PyBullet tells no collision filter, so each object is put into each link that has a shape."""
     world, arm = played.world, played.arm
     links = [link for link, parts in zip(arm.arm.links, arm.arm.parts, strict=True) if parts]

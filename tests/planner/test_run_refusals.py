@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import pytest
 
@@ -32,7 +31,7 @@ def loop(world: World, goal: str, cameras: Sequence[Camera] | None = None) -> Cl
     return ClosedLoop.simulated(world, arm, cameras or around((0.0, 0.0, 0.03)), goal)
 
 
-def test_a_goal_that_holds_already_needs_no_action(world: World) -> None:
+def test_a_goal_that_holds_already_needs_no_action(world):
     world.add(shapes.block("blue"), pose_at(0.0, 0.0, 0.0))
     world.add(shapes.block("green"), pose_at(0.0, 0.0, 0.0502))
     world.settle()
@@ -40,7 +39,7 @@ def test_a_goal_that_holds_already_needs_no_action(world: World) -> None:
     assert record.success and record.steps == () and record.violations == ()
 
 
-def test_an_arm_that_stands_in_something_does_not_move(world: World) -> None:
+def test_an_arm_that_stands_in_something_does_not_move(world):
     world.add(shapes.box("shelf", (0.12, 0.12, 0.55)), pose_at(-0.24, 0.0, 0.0))
     afar = Camera.looking_at((1.0, 0.8, 0.9), (-0.2, 0.0, 0.3))
     record = loop(world, "free shelf", [afar]).run()
@@ -48,7 +47,7 @@ def test_an_arm_that_stands_in_something_does_not_move(world: World) -> None:
     assert "the arm starts in collision" in record.violations[0] and "inside shelf" in record.violations[0]
 
 
-def test_what_is_out_of_reach_is_named(world: World) -> None:
+def test_what_is_out_of_reach_is_named(world):
     world.add(shapes.can("can"), pose_at(0.45, 0.0, 0.0))
     world.settle()
     record = loop(world, "free can").run()
@@ -57,7 +56,7 @@ def test_what_is_out_of_reach_is_named(world: World) -> None:
 
 
 @pytest.mark.slow
-def test_an_interrupted_demo_leaves_its_report(tmp_path: Path) -> None:
+def test_an_interrupted_demo_leaves_its_report(tmp_path):
     with subprocess.Popen(
         [sys.executable, "-m", "topple.planner.cli.main", "demo", "dishes", "-o", str(tmp_path)],
         env={**os.environ, "OMP_NUM_THREADS": "1"},

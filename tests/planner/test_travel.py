@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from on_table import BASE, table
 
 from topple.planner import NoSafePlan, order, plan, rank_grasps
 from topple.planner.formats.run_record import RunRecord, StepRecord
@@ -21,16 +22,12 @@ from topple.robots.shapes.boxes import box
 from topple.topology import DepthImage, Hull, InvalidInput, Mesh, Scene, relate
 from topple.topology.situation.situation import Situation
 
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
-
 
 def stack(seed: int = 0) -> Scene:
     rng = np.random.default_rng(seed)
-    x, y = np.meshgrid(np.arange(-0.3, 0.3, 0.01), np.arange(-0.3, 0.3, 0.01))
     return Scene(
         {
-            "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
+            "table": table(0.3, 0.01),
             "lower": box("lower", (0.06, 0.06, 0.06)).surface(900, rng),
             "upper": box("upper", (0.05, 0.05, 0.05)).surface(900, rng) + np.array([0.0, 0.0, 0.0605]),
         },
@@ -80,7 +77,7 @@ RESULTS: dict[str, Callable[[], Any]] = {
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_what_is_pickled_or_copied_is_equal(name: str) -> None:
+def test_what_is_pickled_or_copied_is_equal(name):
     made = RESULTS[name]()
     for again in (pickle.loads(pickle.dumps(made)), copy.deepcopy(made)):
         assert type(again) is type(made)
@@ -92,7 +89,7 @@ def test_what_is_pickled_or_copied_is_equal(name: str) -> None:
             assert again == made
 
 
-def test_what_differs_in_one_number_is_not_equal() -> None:
+def test_what_differs_in_one_number_is_not_equal():
     other = SCENE.with_cloud("upper", SCENE.clouds["upper"] + 1e-9)
     assert stack() == SCENE and other != SCENE and hash(stack()) == hash(SCENE)
     assert relate(other) != relate(SCENE)
@@ -100,7 +97,7 @@ def test_what_differs_in_one_number_is_not_equal() -> None:
     assert SCENE.weighed({"upper": 0.3}) != SCENE
 
 
-def test_a_mapping_of_a_result_cannot_be_written_to() -> None:
+def test_a_mapping_of_a_result_cannot_be_written_to():
     found = order(SCENE, "lower")
     for mapping in (SCENE.clouds, SCENE.masses, found.risk, found.chances):
         for change in (lambda m: m.__setitem__("x", 1), lambda m: m.pop("upper"), lambda m: m.update(x=1)):
@@ -114,18 +111,18 @@ SCENES = [stack(seed) for seed in range(3)]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["fork", "spawn"])
-def test_orders_are_made_in_other_processes(method: str) -> None:
+def test_orders_are_made_in_other_processes(method):
     with ProcessPoolExecutor(1, mp_context=get_context(method)) as pool:
         found = list(pool.map(partial(order, targets="lower"), SCENES))
     assert found == [order(scene, "lower") for scene in SCENES]
 
 
-def test_orders_are_made_in_threads() -> None:
+def test_orders_are_made_in_threads():
     with ThreadPoolExecutor(3) as pool:
         found = list(pool.map(lambda scene: order(scene, "lower"), SCENES * 3))
     assert found == [order(scene, "lower") for scene in SCENES] * 3
 
 
-def test_a_plan_read_back_is_equal() -> None:
+def test_a_plan_read_back_is_equal():
     made = _plan()
     assert plan_from_json(plan_to_json(made)) == made

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import BASE
 
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion
@@ -18,8 +19,6 @@ from topple.topology.base.errors import UnknownObject
 from topple.topology.scene.scene import Scene
 
 ARM = robot("panda")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -43,7 +42,7 @@ def tilts(transfer: Transfer) -> FloatArray:
     return np.concatenate(found)
 
 
-def test_what_is_marked_stays_within_the_tilt_all_along() -> None:
+def test_what_is_marked_stays_within_the_tilt_all_along():
     wall = box("wall", (0.3, 0.04, 0.3)).surface(4000, np.random.default_rng(1))
     found = plan_transfer(
         "can", kitchen(wall=wall), Station(ARM, BASE, np.array(ARM.home)), TransferRequest(upright=True)
@@ -54,7 +53,7 @@ def test_what_is_marked_stays_within_the_tilt_all_along() -> None:
     assert all(s.certified for s in found.segments if s.motion)
 
 
-def test_around_a_wall_the_tilt_holds_and_nothing_touches() -> None:
+def test_around_a_wall_the_tilt_holds_and_nothing_touches():
     wall = [np.array([[x, y, z] for x in (0.25, 0.9) for y in (-0.02, 0.02) for z in (0.0, 0.45)])]
     checker = Checker(ARM, np.eye(4), {"wall": wall})
     down = np.array([[1.0, 0, 0, 0.5], [0, -1, 0, -0.25], [0, 0, -1, 0.25], [0, 0, 0, 1]])
@@ -72,7 +71,7 @@ def test_around_a_wall_the_tilt_holds_and_nothing_touches() -> None:
 
 
 @pytest.mark.slow
-def test_what_lies_in_a_marked_container_goes_with_it() -> None:
+def test_what_lies_in_a_marked_container_goes_with_it():
     rng = np.random.default_rng(0)
     cup = mug().surface(3000, rng) + np.array([0.05, 0.1, 0.0])
     fruit = plum(diameter=0.04).surface(1000, rng) + np.array([0.05, 0.1, 0.01])
@@ -89,6 +88,6 @@ def test_what_lies_in_a_marked_container_goes_with_it() -> None:
     assert checked.ok
 
 
-def test_marks_of_what_is_not_there_are_refused() -> None:
+def test_marks_of_what_is_not_there_are_refused():
     with pytest.raises(UnknownObject, match="teapot"):
         plan(kitchen(), "free can", ARM, base=BASE, upright=["teapot"])

@@ -89,7 +89,7 @@ def _scene() -> Scene:
 
 
 @pytest.mark.parametrize("table", TABLES, ids=lambda table: table.group)
-def test_topples_own_are_found_by_name(table: Table[Any]) -> None:
+def test_topples_own_are_found_by_name(table):
     assert len(list(table)) >= 2
     for name in table:
         assert table[name] is not None
@@ -97,7 +97,7 @@ def test_topples_own_are_found_by_name(table: Table[Any]) -> None:
         _ = table["x"]
 
 
-def test_every_group_of_the_page_is_one_of_topple_and_its_code_is_what_is_tested() -> None:
+def test_every_group_of_the_page_is_one_of_topple_and_its_code_is_what_is_tested():
     page = PAGE.read_text(encoding="utf-8")
     project = tomllib.loads((KITCHEN / "pyproject.toml").read_text())["project"]
     assert set(re.findall(r"`(topple\.\w+)` \|", page)) == {table.group for table in TABLES}
@@ -112,7 +112,7 @@ def test_every_group_of_the_page_is_one_of_topple_and_its_code_is_what_is_tested
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_a_rule_of_another_package_relates() -> None:
+def test_a_rule_of_another_package_relates():
     scene = _scene()
     assert relate(scene, rule="boxes").between("lower", "beside").relation == "disjoint"
     assert relate(scene, rule="boxes").between("lower", "upper").relation == "touch"
@@ -120,7 +120,7 @@ def test_a_rule_of_another_package_relates() -> None:
     assert relate_all([scene], rule="boxes") == [relate(scene, rule="boxes")]
 
 
-def test_the_names_of_topples_own_rules_are_what_the_arguments_were() -> None:
+def test_the_names_of_topples_own_rules_are_what_the_arguments_were():
     scene = _scene()
     assert relate(scene, rule="plain") == relate(scene, plain=True)
     assert relate(scene, rule="robust") == relate(scene)
@@ -130,7 +130,7 @@ def test_the_names_of_topples_own_rules_are_what_the_arguments_were() -> None:
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_what_is_broken_is_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_what_is_broken_is_named(tmp_path, caplog):
     with pytest.raises(InvalidInput, match=r"rule 'broken' of package topple-kitchen 1.0 .* failed: ModuleN"):
         relate(_scene(), rule="broken")
     with pytest.raises(InvalidInput, match=r"rule 'failing' .* failed: ValueError: no rule for 4 objects$"):
@@ -147,14 +147,14 @@ def test_what_is_broken_is_named(tmp_path: Path, caplog: pytest.LogCaptureFixtur
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_a_name_of_topples_own_is_not_taken_over(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_name_of_topples_own_is_not_taken_over(caplog):
     assert "kitchen-arm" in names() and names().count("panda") == 1
     assert "robot 'panda' of package topple-kitchen 1.0" in caplog.text
     assert "there is one of that name" in caplog.text
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_files_of_other_formats_are_read(tmp_path: Path) -> None:
+def test_files_of_other_formats_are_read(tmp_path):
     lines = [f"{name},{','.join(map(str, point))}" for name, cloud in STACK.items() for point in cloud]
     (tmp_path / "scene.csv").write_text("\n".join(lines))
     scene = load_scene(tmp_path / "scene.csv", fixed=["beside"])
@@ -175,7 +175,7 @@ def test_files_of_other_formats_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_an_arm_and_a_scene_of_another_package_are_known_by_name() -> None:
+def test_an_arm_and_a_scene_of_another_package_are_known_by_name():
     arm = robot("kitchen-arm")
     assert arm.name == "kitchen-arm" and arm.tools and arm.catalog
     with scenario("cups", 3) as stage:
@@ -184,7 +184,7 @@ def test_an_arm_and_a_scene_of_another_package_are_known_by_name() -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("kitchen")
-def test_an_arm_a_scene_an_orderer_and_an_exporter_of_another_package_plan_together() -> None:
+def test_an_arm_a_scene_an_orderer_and_an_exporter_of_another_package_plan_together():
     with scenario("cups", 3) as stage:
         images = [eye.look(stage.world) for eye in stage.cameras]
         seen = Scene.from_images(images, fixed=stage.fixed, up=stage.up)
@@ -205,7 +205,7 @@ def _tin() -> Scene:
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_a_gripper_of_another_package_plans_verifies_and_runs() -> None:
+def test_a_gripper_of_another_package_plans_verifies_and_runs():
     scene, arm, base = _tin(), robot("magnet-iiwa"), np.eye(4)
     base[0, 3] = -0.55
     found = plan(scene, ["steel_can"], arm, base=base)
@@ -221,9 +221,7 @@ def test_a_gripper_of_another_package_plans_verifies_and_runs() -> None:
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_commands_take_them_by_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_commands_take_them_by_name(tmp_path, monkeypatch, capsys, typed):
     monkeypatch.chdir(tmp_path)
     np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
     assert (
@@ -231,24 +229,20 @@ def test_commands_take_them_by_name(
         == 0
     )
     assert json.loads(capsys.readouterr().out)["order"] == ["upper", "beside", "lower"]
-    assert main(["relate", "scene.npz", "--rule", "broken"]) == 2
-    said = capsys.readouterr()
+    said = typed("relate", "scene.npz", "--rule", "broken", code=2)
     assert said.out == "" and said.err.startswith("topple: rule 'broken' of package topple-kitchen 1.0 (")
-    assert main(["order", "scene.npz", "--orderer", "x"]) == 2
-    assert "there is no orderer 'x': expected fewest, cautious, highest, failing\n" in capsys.readouterr().err
+    err = typed("order", "scene.npz", "--orderer", "x", code=2).err
+    assert "there is no orderer 'x': expected fewest, cautious, highest, failing\n" in err
 
 
 @pytest.mark.usefixtures("kitchen")
-def test_grasps_are_ranked_by_the_order_of_another_package(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_grasps_are_ranked_by_the_order_of_another_package(tmp_path, monkeypatch, typed):
     monkeypatch.chdir(tmp_path)
     np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
     Path("grasps.csv").write_text("0.25,0.05,0.08,0.08\n")  # of beside, which nothing touches
     waits = {}
     for options in ([], ["--orderer", "highest"], ["--rule", "boxes"]):
-        assert main(["rank", "scene.npz", "grasps.csv", *options, "--json"]) == 0
-        (grasp,) = json.loads(capsys.readouterr().out)["grasps"]
+        (grasp,) = typed("rank", "scene.npz", "grasps.csv", *options, "--json").document["grasps"]
         assert grasp["object"] == "beside"
         waits["".join(options)] = grasp["before"]
     assert waits == {"": [], "--orderer" + "highest": ["upper"], "--rule" + "boxes": []}
@@ -268,21 +262,16 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
-def test_every_command_that_relates_and_orders_takes_both(
-    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_command_that_relates_and_orders_takes_both(command, tmp_path, monkeypatch, typed):
     monkeypatch.chdir(tmp_path)
     np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
     for option in ("--rule", "--orderer")[: 1 if command[0] == "relate" else 2]:
-        assert main([*command, option, "x"]) == 2
-        assert f"there is no {option[2:]} 'x': expected " in capsys.readouterr().err
+        assert f"there is no {option[2:]} 'x': expected " in typed(*command, option, "x", code=2).err
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("kitchen")
-def test_a_plan_is_written_in_the_format_of_another_package(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_plan_is_written_in_the_format_of_another_package(tmp_path, capsys, typed):
     with scenario("cups", 3) as stage:
         seen = Scene.from_images([eye.look(stage.world) for eye in stage.cameras], fixed=stage.fixed)
         found = plan(seen.with_up([0, 0, 1]), stage.goal, "panda", base=stage.pose_base_to_world)
@@ -290,12 +279,12 @@ def test_a_plan_is_written_in_the_format_of_another_package(
     assert main(["export", str(tmp_path / "plan.json"), "--to", "list", "-o", str(tmp_path / "list")]) == 0
     assert (tmp_path / "list").read_text().endswith(". free low\n")
     capsys.readouterr()
-    assert main(["export", str(tmp_path / "plan.json"), "--to", "x"]) == 2
-    assert "expected dot, graphml, pddl, bt, moveit, ros2, list" in capsys.readouterr().err
+    err = typed("export", tmp_path / "plan.json", "--to", "x", code=2).err
+    assert "expected dot, graphml, pddl, bt, moveit, ros2, list" in err
 
 
 @pytest.mark.slow
-def test_an_installed_package_is_found_by_the_command(installed: Path, tmp_path: Path) -> None:
+def test_an_installed_package_is_found_by_the_command(installed, tmp_path):
     np.savez(tmp_path / "scene.npz", **STACK)
     done = subprocess.run(
         [sys.executable, "-m", "topple.planner.cli.main", "relate", "scene.npz", "--rule", "boxes"],

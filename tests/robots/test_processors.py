@@ -31,5 +31,5 @@ def printed(kernels: str) -> str:
     not Path("/proc/cpuinfo").exists() or "avx512dq" not in Path("/proc/cpuinfo").read_text(),
     reason="this processor has not the instructions of the others",
 )
-def test_scenes_are_the_same_to_the_bit() -> None:
+def test_scenes_are_the_same_to_the_bit():
     assert printed("SkylakeX") == printed("Haswell") != ""

@@ -7,8 +7,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import pytest
-
 from topple.robots.scratch import Scratch
 
 HOLD = """
@@ -21,7 +19,7 @@ time.sleep(60)
 MAKE = "from topple.robots.scratch import Scratch; s = Scratch(); s.close()"
 
 
-def test_a_folder_is_removed_when_it_is_closed() -> None:
+def test_a_folder_is_removed_when_it_is_closed():
     scratch = Scratch()
     (scratch.path / "file").write_text("x")
     scratch.close()
@@ -29,9 +27,7 @@ def test_a_folder_is_removed_when_it_is_closed() -> None:
     assert not scratch.path.exists()
 
 
-def test_the_next_start_clears_away_what_killed_processes_left_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_next_start_clears_away_what_killed_processes_left_and_nothing_else(tmp_path, monkeypatch):
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     tempfile.tempdir = None
     try:

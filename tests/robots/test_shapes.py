@@ -37,31 +37,31 @@ def depths(body: Body, points: np.ndarray) -> np.ndarray:
     return -np.min(outside, axis=0)
 
 
-def test_mesh_is_watertight_and_faces_outwards(body: Body) -> None:
+def test_mesh_is_watertight_and_faces_outwards(body):
     mesh = solid(body)
     assert mesh.is_watertight and mesh.is_winding_consistent
     assert mesh.volume > 0
 
 
-def test_stands_on_the_ground_in_the_middle(body: Body) -> None:
+def test_stands_on_the_ground_in_the_middle(body):
     assert body.lower[2] == pytest.approx(0, abs=1e-9)
     if body.kind != "mug":  # its handle stands out
         np.testing.assert_allclose((body.lower + body.upper)[:2] / 2, 0, atol=6e-4)
 
 
-def test_weighs_what_such_a_thing_weighs(body: Body) -> None:
+def test_weighs_what_such_a_thing_weighs(body):
     low, high = MASSES[body.kind]
     assert low <= body.mass <= high
 
 
-def test_parts_cover_the_mesh_and_nothing_else(body: Body) -> None:
+def test_parts_cover_the_mesh_and_nothing_else(body):
     surface = body.surface(600, np.random.default_rng(0))
     assert depths(body, surface).min() > -2e-4  # no point of the surface outside the parts
     if body.kind != "plate":  # whose parts fill the hollow in the foot ring
         assert np.quantile(depths(body, surface), 0.9) < 6e-4  # and none deep inside: hollows are hollow
 
 
-def test_mass_lies_where_the_volume_is(body: Body) -> None:
+def test_mass_lies_where_the_volume_is(body):
     mesh = solid(body)
     np.testing.assert_allclose(body.centre_of_mass, mesh.center_mass, atol=1e-6)
     np.testing.assert_allclose(
@@ -69,13 +69,13 @@ def test_mass_lies_where_the_volume_is(body: Body) -> None:
     )
 
 
-def test_plate_bowl_cup_and_tray_are_hollow() -> None:
+def test_plate_bowl_cup_and_tray_are_hollow():
     for body in (shapes.plate(), shapes.bowl(), shapes.cup(), shapes.mug(), shapes.tray()):
         above_floor = np.array([[0.0, 0.0, body.upper[2] - 0.002]])
         assert depths(body, above_floor)[0] < 0
 
 
-def test_dimensions_are_what_was_asked_for() -> None:
+def test_dimensions_are_what_was_asked_for():
     can = shapes.can(diameter=0.085, height=0.034)
     np.testing.assert_allclose(can.upper - can.lower, [0.085, 0.085, 0.034], atol=1e-9)
     plate = shapes.plate(diameter=0.27, height=0.025)

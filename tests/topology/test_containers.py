@@ -76,13 +76,13 @@ def bowl(size: str) -> Body:
     return shapes.bowl(diameter=diameter, height=height)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 20.0])
+@pytest.mark.parametrize("tilt", [20.0, pytest.param(0.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "container",
     [bowl("small"), bowl("salad"), shapes.mug(diameter=0.1, height=0.07)],
     ids=["small bowl", "salad bowl", "mug"],
 )
-def test_a_strawberry_below_the_rim_is_within(container: Body, tilt: float) -> None:
+def test_a_strawberry_below_the_rim_is_within(container, tilt):
     found = relations(holding(container, shapes.strawberry(), FLOOR, tilt))
     assert set(found.values()) == {Relation.WITHIN}, found
 
@@ -96,16 +96,16 @@ def test_a_strawberry_below_the_rim_is_within(container: Body, tilt: float) -> N
     ],
     ids=["orange in a bowl", "lemon in a shallow bowl", "lemon upright in a mug"],
 )
-def test_what_sticks_out_is_partial_within(container: Body, content: Body, turned: float) -> None:
+def test_what_sticks_out_is_partial_within(container, content, turned):
     found = relations(holding(container, content, FLOOR, 0.0, turned))
     assert set(found.values()) == {Relation.PARTIAL_WITHIN}, found
     tilted = relate(whole(holding(container, content, FLOOR, 20.0, turned)))
     assert tilted.between(content.name, container.name).relation is Relation.PARTIAL_WITHIN
 
 
-@pytest.mark.parametrize("length", [0.16, 0.22])
+@pytest.mark.parametrize("length", [0.22, pytest.param(0.16, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("apart", [0.0, 0.03])
-def test_a_banana_contains_nothing(length: float, apart: float) -> None:
+def test_a_banana_contains_nothing(length, apart):
     banana, ball = shapes.banana(length=length), shapes.ball(diameter=0.04)
     middle = banana.parts[3].mean(axis=0)  # of the seven along it
     bend = pose(middle[0], middle[1] - 0.018 - 0.02 - apart, 0.0)  # their radii
@@ -114,7 +114,7 @@ def test_a_banana_contains_nothing(length: float, apart: float) -> None:
     assert not set(found.values()) - {Relation.TOUCH, Relation.DISJOINT}, found
 
 
-def test_what_lies_under_the_arch_of_a_banana_is_not_in_it() -> None:
+def test_what_lies_under_the_arch_of_a_banana_is_not_in_it():
     banana, ball = shapes.banana(length=0.22), shapes.ball(diameter=0.025)
     standing = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0.0], [0, 0, 0, 1]])
     standing[2, 3] = -float(banana.lower[1])

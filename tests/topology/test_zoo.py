@@ -72,7 +72,7 @@ def check(pair: PairRelation, sizes: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("plain", [False, True], ids=["default", "plain"])
 @pytest.mark.parametrize(("a", "b"), PAIRS, ids=[f"{a} - {b}" for a, b in PAIRS])
-def test_every_two_of_the_zoo(a: str, b: str, plain: bool) -> None:
+def test_every_two_of_the_zoo(a, b, plain):
     first, second = ZOO[a], ZOO[b]
     pair = relate(Scene({a: first, b: second}), plain=plain).between(a, b)
     check(pair, (len(first), len(second)))
@@ -83,7 +83,7 @@ def test_every_two_of_the_zoo(a: str, b: str, plain: bool) -> None:
 
 
 @pytest.mark.parametrize("plain", [False, True])
-def test_the_whole_zoo_in_one_scene(plain: bool) -> None:
+def test_the_whole_zoo_in_one_scene(plain):
     scene = Scene(ZOO, up=UP, fixed=["flat"], viewpoints=[[0.0, -0.5, 0.8]])
     relations = relate(scene, plain=plain)
     assert len(relations) == len(relations.pairs) == len(PAIRS)
@@ -94,7 +94,7 @@ def test_the_whole_zoo_in_one_scene(plain: bool) -> None:
 
 
 @pytest.mark.parametrize("plain", [False, True])
-def test_a_segment_under_two_names_lies_on_itself(plain: bool) -> None:
+def test_a_segment_under_two_names_lies_on_itself(plain):
     for name in ("point", "all equal", "collinear", "flat", "sparse", "far", "far flat"):
         pair = relate(Scene({"one": ZOO[name], "again": ZOO[name]}), plain=plain).between("one", "again")
         assert pair.relation in (Relation.TOUCH, Relation.CROSS), name
@@ -105,7 +105,7 @@ def test_a_segment_under_two_names_lies_on_itself(plain: bool) -> None:
 @pytest.mark.parametrize(
     "name", ["point", "two points", "all equal", "collinear", "flat", "1e-6 thin", "sparse"]
 )
-def test_a_thing_far_off_is_related_as_near(name: str, plain: bool) -> None:
+def test_a_thing_far_off_is_related_as_near(name, plain):
     ground = flat(float(ZOO[name][:, 2].min()))
     near = relate(Scene({"thing": ZOO[name], "ground": ground}), plain=plain)
     away = relate(Scene({"thing": ZOO[name] + FAR, "ground": ground + FAR}), plain=plain)

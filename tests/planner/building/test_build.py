@@ -1,20 +1,16 @@
 """Build orders of real arrangements: what is under first, what falls held."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from on_table import balance, cards, on_table
 
 from topple.planner import build_order
 from topple.planner.building.build import Footing
-from topple.planner.cli.main import main
 from topple.robots.shapes import box
 from topple.topology import InvalidInput
 
 
-def test_what_carries_is_put_down_before_what_it_carries() -> None:
+def test_what_carries_is_put_down_before_what_it_carries():
     found = build_order(
         on_table((box("lamp", (0.06, 0.06, 0.1)), (0, 0, 0.04)), (box("book", (0.12, 0.1, 0.04)), (0, 0, 0)))
     )
@@ -27,7 +23,7 @@ def test_what_carries_is_put_down_before_what_it_carries() -> None:
     assert {frozenset((each.a, each.b)) for each in edge.evidence} == {frozenset(("book", "lamp"))}
 
 
-def test_a_counterweight_comes_after_its_plank_which_is_held_until_then() -> None:
+def test_a_counterweight_comes_after_its_plank_which_is_held_until_then():
     found = build_order(balance())
     assert found.order == ("pier", "plank", "weight")
     (hold,) = found.holds
@@ -37,7 +33,7 @@ def test_a_counterweight_comes_after_its_plank_which_is_held_until_then() -> Non
     assert hold.evidence
 
 
-def test_a_plank_that_stands_alone_is_held_only_while_its_first_load_would_tip_it() -> None:
+def test_a_plank_that_stands_alone_is_held_only_while_its_first_load_would_tip_it():
     found = build_order(
         on_table(
             (box("pier", (0.05, 0.1, 0.1)), (0.0, 0.0, 0.0)),
@@ -52,41 +48,38 @@ def test_a_plank_that_stands_alone_is_held_only_while_its_first_load_would_tip_i
     assert (hold.since, hold.until) == found.order[2:]
 
 
-def test_two_boards_that_lean_on_each_other_take_one_hold() -> None:
+def test_two_boards_that_lean_on_each_other_take_one_hold():
     found = build_order(cards())
     (hold,) = found.holds
     assert (hold.object, hold.until) == found.order
 
 
-def test_the_command_prints_what_python_gives(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_what_python_gives(tmp_path, typed):
     scene = balance()
     path = tmp_path / "goal.npz"
     clouds = dict(scene.clouds)
     np.savez(path, up=[0, 0, 1], fixed=["table"], **clouds)  # type: ignore[arg-type]
-    assert main(["order", str(path), "--build", "--json"]) == 1, "plank has to be held"
-    document = json.loads(capsys.readouterr().out)
+    document = typed("order", path, "--build", "--json", code=1).document
     assert document["build"] is True
     assert document["order"] == ["pier", "plank", "weight"]
     assert [(hold["object"], hold["until"]) for hold in document["holds"]] == [("plank", "weight")]
     assert document["format"] == "topple.order"
     assert all(each["evidence"] for each in document["dependencies"])
-    assert main(["order", str(path), "--build"]) == 1
-    printed = capsys.readouterr()
+    printed = typed("order", path, "--build", code=1)
     assert "Hold plank until weight is down" in printed.out
     assert "one hand cannot do it: plank has to be held until weight is there" in printed.err
 
 
-def test_a_build_order_is_of_everything(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["order", "x.npz", "--build", "--target", "plank"]) == 2
-    assert "leave --target" in capsys.readouterr().err
+def test_a_build_order_is_of_everything(typed):
+    assert "leave --target" in typed("order", "x.npz", "--build", "--target", "plank", code=2).err
 
 
-def test_nothing_to_build_is_refused() -> None:
+def test_nothing_to_build_is_refused():
     with pytest.raises(InvalidInput, match="nothing in the scene can move"):
         build_order(on_table())
 
 
-def test_what_would_tip_though_all_of_it_is_given_is_said_to_need_something_more() -> None:
+def test_what_would_tip_though_all_of_it_is_given_is_said_to_need_something_more():
     tipping = on_table(
         (box("a", (0.05, 0.05, 0.05)), (0.0, 0.0, 0.0)), (box("b", (0.2, 0.05, 0.02)), (0.08, 0.0, 0.05))
     )

@@ -107,23 +107,23 @@ def solved(before: list[frozenset[int]], falling: Callable[[Names, Names], Names
 
 
 @pytest.mark.parametrize("seed", range(16))
-def test_no_order_of_five_needs_fewer_holds(seed: int) -> None:
+def test_no_order_of_five_needs_fewer_holds(seed):
     before, falling = world(seed, 3 + seed % 3)
     assert solved(before, falling) == by_every_order(before, falling)
 
 
 @pytest.mark.parametrize("seed", range(16))
-def test_no_order_of_eight_needs_fewer_holds(seed: int) -> None:
+def test_no_order_of_eight_needs_fewer_holds(seed):
     before, falling = world(1000 + seed, 6 + seed % 3)
     assert solved(before, falling) == by_every_set(before, falling)
 
 
-def test_worlds_of_the_tests_need_holds_and_do_not() -> None:
+def test_worlds_of_the_tests_need_holds_and_do_not():
     counts = {solved(*world(1000 + seed, 7)) for seed in range(20)}
     assert {0, 1, 2} <= counts
 
 
-def test_the_first_order_found_is_taken_where_there_are_too_many() -> None:
+def test_the_first_order_found_is_taken_where_there_are_too_many():
     before, falling = world(1003, 8)
     units = [(str(k),) for k in range(8)]
     found = fewest_holds(units, before, falling, nx.complete_graph(list("01234567")), most_states=2)
@@ -133,7 +133,7 @@ def test_the_first_order_found_is_taken_where_there_are_too_many() -> None:
     assert not any(falling(there, still) for there, still in zip(placed, held, strict=True))
 
 
-def test_one_thing_is_held_that_steadies_two() -> None:
+def test_one_thing_is_held_that_steadies_two():
     def falling(placed: Names, held: Names) -> Names:
         if "last" in placed or "post" in held:
             return frozenset()
@@ -180,18 +180,18 @@ def taken_apart(before: list[frozenset[int]], falling: Callable[[Names, Names], 
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_no_order_of_five_removals_needs_fewer_holds(seed: int) -> None:
+def test_no_order_of_five_removals_needs_fewer_holds(seed):
     before, falling = world(seed, 3 + seed % 3)
     assert taken_apart(before, falling) == by_every_removal(before, falling)
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_no_order_of_eight_removals_needs_fewer_holds(seed: int) -> None:
+def test_no_order_of_eight_removals_needs_fewer_holds(seed):
     before, falling = world(1000 + seed, 6 + seed % 3)
     assert taken_apart(before, falling) == by_every_set(before, falling)
 
 
-def test_what_hooks_into_each_other_is_taken_at_once() -> None:
+def test_what_hooks_into_each_other_is_taken_at_once():
     units, found = removals(
         ["a", "b", "c"], [("a", "b"), ("b", "a")], lambda *_: frozenset(), nx.complete_graph(["a", "b", "c"])
     )

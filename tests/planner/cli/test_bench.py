@@ -68,26 +68,24 @@ def stack() -> Scene:
         (Row("x", 100.0, "s", bar=">= 2x"), False),
     ],
 )
-def test_a_bar_is_cleared_or_missed(row: Row, ok: bool | None) -> None:
+def test_a_bar_is_cleared_or_missed(row, ok):
     assert row.ok is ok
     assert set(row.to_json()) == KEYS
     assert row.to_json()["ok"] is ok
 
 
-def test_a_bar_nobody_can_read_is_no_bar() -> None:
+def test_a_bar_nobody_can_read_is_no_bar():
     with pytest.raises(ValueError, match="is no bar"):
         assert Row("x", 1.0, "", bar="good").ok
 
 
-def test_calls_take_turns() -> None:
+def test_calls_take_turns():
     said: list[str] = []
     assert len(cpu_medians([lambda: said.append("a"), lambda: said.append("b")], 2)) == 2
     assert said == ["a", "b", "a", "b"]
 
 
-def test_relate_prints_the_contracts_document(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_relate_prints_the_contracts_document(monkeypatch, capsys):
     monkeypatch.setattr(relate, "QUICK", TINY_RELATE)
     code = main(["bench", "relate", "--quick", "--json"])
     document = json.loads(capsys.readouterr().out)
@@ -101,32 +99,28 @@ def test_relate_prints_the_contracts_document(
     assert same["value"] == 0
 
 
-def test_a_missed_bar_is_code_1_and_said(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_missed_bar_is_code_1_and_said(monkeypatch, typed):
     def missing(quick: bool, seed: int, progress: object) -> list[dict[str, object]]:
         return [Row("speed", 1.0, "s", "another", 2.0, 2.0, ">= 3x").to_json(), Row("count", 4, "").to_json()]
 
     monkeypatch.setattr(motion, "rows", missing)
-    assert main(["bench", "motion", "--quick"]) == 1
-    out = capsys.readouterr().out
+    out = typed("bench", "motion", "--quick", code=1).out
     assert "MISSED" in out
     assert "0 of 1 bars cleared, 1 missed" in out
 
 
 @pytest.mark.parametrize("argv", [["bench", "nonsense"], ["bench", "relate", "--seed", "-1"]])
-def test_wrong_use_is_code_2(argv: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(argv) == 2
-    assert capsys.readouterr().out == ""
+def test_wrong_use_is_code_2(argv, typed):
+    assert typed(*argv, code=2).out == ""
 
 
-def test_machines_are_told_apart_without_their_names() -> None:
+def test_machines_are_told_apart_without_their_names():
     assert {"system", "processor", "cores", "python", "libraries"} <= machine().keys()
     json.dumps(machine())
 
 
 @pytest.mark.slow
-def test_order_runs_on_one_small_pile(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_order_runs_on_one_small_pile(monkeypatch):
     monkeypatch.setattr(order, "QUICK", order.Extent(1, views=(0,), scenes=1))
     monkeypatch.setattr(order, "FIRST_PILE", 502)
     document = bench("order", quick=True)
@@ -139,7 +133,7 @@ def test_order_runs_on_one_small_pile(monkeypatch: pytest.MonkeyPatch) -> None:
             assert high >= row["value"] - 1e-9
 
 
-def test_plain_numpy_leaves_no_point_out() -> None:
+def test_plain_numpy_leaves_no_point_out():
     scene = household(200, 1)
     found = plain_numpy(scene.clouds, 0.002)
     assert {frozenset(pair) for pair in found} == {frozenset(pair) for pair in combinations(scene.names, 2)}
@@ -147,7 +141,7 @@ def test_plain_numpy_leaves_no_point_out() -> None:
         assert matrix.sum(axis=1).tolist() == [len(scene.clouds[a]), len(scene.clouds[b])]
 
 
-def test_the_rules_of_thumb_take_the_top_of_a_stack_first(stack: Scene) -> None:
+def test_the_rules_of_thumb_take_the_top_of_a_stack_first(stack):
     assert box_above(stack).pairs == {("top", "low")}
     assert naive(stack).pairs == {("top", "low")}
     assert top_height(stack).order == ("top", "beside", "low")
@@ -155,28 +149,28 @@ def test_the_rules_of_thumb_take_the_top_of_a_stack_first(stack: Scene) -> None:
         assert set(guess(stack, 0).order) == set(stack.movable)
 
 
-def test_a_perfect_answer_scores_all() -> None:
+def test_a_perfect_answer_scores_all():
     found = score(Guess(frozenset({("b", "a")}), ("b", "a", "c")), ABOVE, "abc")
     assert found == Score(right=1, safe=1, piles=1, lean=3, targets=3, steps=3)
     assert found.f1 == found.precision == found.recall == 1.0
 
 
-def test_what_is_wrong_is_counted_once() -> None:
+def test_what_is_wrong_is_counted_once():
     found = score(Guess(frozenset({("a", "b"), ("a", "c")}), ("a", "b", "c")), ABOVE, "abc")
     assert (found.right, found.false, found.missed, found.safe, found.lean) == (0, 1, 1, 0, 2)
 
 
-def test_the_unseen_is_left_out() -> None:
+def test_the_unseen_is_left_out():
     found = score(Guess(frozenset(), ("a", "c")), ABOVE, "ac")
     assert found == Score(safe=1, piles=1, lean=2, targets=2, steps=2)
 
 
-def test_an_order_has_to_take_everything() -> None:
+def test_an_order_has_to_take_everything():
     assert is_safe(Guess(frozenset(), ("b", "a", "c")), ABOVE, "abc")
     assert not is_safe(Guess(frozenset(), ("b", "a")), ABOVE, "abc")
 
 
-def test_a_group_excuses_a_true_cycle_only() -> None:
+def test_a_group_excuses_a_true_cycle_only():
     cycle = {"a": {"b": 1}, "b": {"a": 1}}
     together = Guess(frozenset(), ("a", "b"), groups=(("a", "b"),))
     assert is_safe(together, cycle, "ab")
@@ -184,7 +178,7 @@ def test_a_group_excuses_a_true_cycle_only() -> None:
     assert not is_safe(together, {"a": {"b": 1}, "b": {"a": 0}}, "ab")
 
 
-def test_intervals_hold_the_figure() -> None:
+def test_intervals_hold_the_figure():
     scores = [Score(right=3, false=1), Score(right=2, missed=2), Score(right=5)]
     low, high = f1_interval(scores)
     assert low <= sum(scores, Score()).f1 <= high
@@ -194,7 +188,7 @@ def test_intervals_hold_the_figure() -> None:
     assert high == pytest.approx(100)
 
 
-def test_a_table_for_the_docs_has_a_column_for_each_heading() -> None:
+def test_a_table_for_the_docs_has_a_column_for_each_heading():
     row = {
         "what": "orders | a second",
         "value": 12.5,
@@ -215,7 +209,7 @@ def test_a_table_for_the_docs_has_a_column_for_each_heading() -> None:
     assert source == "`topple bench order`: --quick, seed 3, a processor, 2 cores."
 
 
-def test_figures_of_several_methods_stand_side_by_side() -> None:
+def test_figures_of_several_methods_stand_side_by_side():
     theirs = {"baseline": "paper", "baseline_value": 5.0}
     rows = [
         Row("scene 1", 6.0, "pairs", **theirs, bar=">= 6", interval=(5.9, 6.1), column="ours"),
@@ -246,23 +240,22 @@ def test_figures_of_several_methods_stand_side_by_side() -> None:
     ]
 
 
-def test_a_page_takes_a_table_between_its_marks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_page_takes_a_table_between_its_marks(tmp_path, typed):
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- table of topple bench speed -->\nold\n<!-- end of table -->\nafter\n")
-    assert main(["bench", "order", "--page", str(page)]) == 2
-    assert "expected '<!-- table of topple bench order -->'" in capsys.readouterr().err
+    err = typed("bench", "order", "--page", page, code=2).err
+    assert "expected '<!-- table of topple bench order -->'" in err
     new = replaced_table(page.read_text(), "speed", ["| a |", "| --- |"])
     assert new.splitlines()[2:4] == ["| a |", "| --- |"] and "old" not in new
     assert new.startswith("before\n<!--") and new.endswith("<!-- end of table -->\nafter\n")
     assert replaced_table(new, "speed", ["| a |", "| --- |"]) == new
-    assert main(["bench", "motion", "--part", "plans", "--page", str(page)]) == 2
-    assert "expected '<!-- table of topple bench motion --part plans -->'" in capsys.readouterr().err
+    err = typed("bench", "motion", "--part", "plans", "--page", page, code=2).err
+    assert "expected '<!-- table of topple bench motion --part plans -->'" in err
     for wrong in (["bench", "--page", str(page)], ["bench", "speed", "--page", str(tmp_path)]):
-        assert main(wrong) == 2
-        assert capsys.readouterr().err.count("\n") == 1
+        assert typed(*wrong, code=2).err.count("\n") == 1
 
 
-def test_tables_in_the_pages_are_of_benches_and_have_rows() -> None:
+def test_tables_in_the_pages_are_of_benches_and_have_rows():
     pages = "".join(path.read_text() for path in (Path(__file__).parents[3] / "benchmarks").glob("*.md"))
     pages += "".join(
         (Path(__file__).parents[3] / f"docs/{name}.md").read_text() for name in ("results", "scenes")
@@ -274,7 +267,7 @@ def test_tables_in_the_pages_are_of_benches_and_have_rows() -> None:
     assert all(table.startswith("| what |") and table.count("\n") > 3 for _, table in marked)
 
 
-def test_the_table_of_the_readme_is_that_of_the_benches() -> None:
+def test_the_table_of_the_readme_is_that_of_the_benches():
     root = Path(__file__).parents[3]
     results = (root / "docs/results.md").read_text()
     counts = re.findall(r"nothing disturbed: demo [^|]*\| (\d+) \| (\d+) \|", results)

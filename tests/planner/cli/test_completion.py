@@ -57,9 +57,8 @@ def test_bash_offers_every_command(scripts):
     assert set(COMMANDS) <= offered("bash", scripts / "bash", "")
 
 
-def test_topple_alone_says_what_most_people_want(capsys):
-    assert main([]) == 0
-    printed = capsys.readouterr().out
+def test_topple_alone_says_what_most_people_want(typed):
+    printed = typed().out
     assert [line.split()[1] for line in printed.splitlines() if line.startswith("  topple")] == [
         "demo",
         "order",
@@ -67,9 +66,8 @@ def test_topple_alone_says_what_most_people_want(capsys):
     ]
 
 
-def test_another_shell_is_refused_in_one_line(capsys):
-    assert main(["--completion", "tcsh"]) == 2
-    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+def test_another_shell_is_refused_in_one_line(typed):
+    assert len(typed("--completion", "tcsh", code=2).err.strip().splitlines()) == 1
 
 
 def test_completion_needs_no_simulation_and_knows_every_demo():

@@ -13,9 +13,7 @@ from topple.planner.cli import main as entry
 from topple.topology import InvalidInput
 
 
-def test_a_fault_is_told_apart_from_a_refusal(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_fault_is_told_apart_from_a_refusal(monkeypatch, capsys, tmp_path):
     broken = ModuleType("topple.planner.cli.broken")
     broken.add_arguments = lambda parser: None  # type: ignore[attr-defined]
     broken.execute = lambda args: 1 // 0  # type: ignore[attr-defined]
@@ -34,7 +32,7 @@ def test_a_fault_is_told_apart_from_a_refusal(
 @pytest.mark.parametrize(
     "closed", ["<&- >&- 2>&-", *(pytest.param(one, marks=pytest.mark.slow) for one in ("<&-", ">&-", "2>&-"))]
 )
-def test_closed_streams_are_no_fault(closed: str, tmp_path: Path) -> None:
+def test_closed_streams_are_no_fault(closed, tmp_path):
     np.savez(tmp_path / "scene.npz", a=np.random.default_rng(0).uniform(0.0, 0.1, (200, 3)))
     command = f'exec "{sys.executable}" -m topple.planner.cli.main relate '
     for scene, code in (("scene.npz", 0), ("missing.npz", 2)):
@@ -42,5 +40,5 @@ def test_closed_streams_are_no_fault(closed: str, tmp_path: Path) -> None:
         assert done.returncode == code, done.stderr
 
 
-def test_the_text_of_an_error_is_one_line() -> None:
+def test_the_text_of_an_error_is_one_line():
     assert str(InvalidInput("two\nlines")) == "two lines"

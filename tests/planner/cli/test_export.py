@@ -38,24 +38,19 @@ def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def _exported(capsys: pytest.CaptureFixture[str], plan_file: Path, to: str, *more: object) -> str:
-    assert main(["export", str(plan_file), "--to", to, *(str(argument) for argument in more)]) == 0
-    return capsys.readouterr().out
-
-
-def test_dot_has_the_edge(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = _exported(capsys, plan_file, "dot")
+def test_dot_has_the_edge(plan_file, typed):
+    text = typed("export", plan_file, "--to", "dot").out
     assert text.startswith("digraph plan {")
     assert '"1 on top" -> "2 under it"' in text
 
 
-def test_graphml_is_read_by_networkx(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    graph = nx.parse_graphml(_exported(capsys, plan_file, "graphml"))
+def test_graphml_is_read_by_networkx(plan_file, typed):
+    graph = nx.parse_graphml(typed("export", plan_file, "--to", "graphml").out)
     assert list(graph.edges) == [("1 on top", "2 under it")]
 
 
-def test_the_tree_has_a_branch_for_each_step(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    root = ElementTree.fromstring(_exported(capsys, plan_file, "bt").encode())
+def test_the_tree_has_a_branch_for_each_step(plan_file, typed):
+    root = ElementTree.fromstring(typed("export", plan_file, "--to", "bt").out.encode())
     assert root.get("BTCPP_format") == "4"
     branches = root.findall("./BehaviorTree/Sequence/Sequence")
     assert [branch.get("name") for branch in branches] == ["remove on top", "free under it"]
@@ -63,18 +58,16 @@ def test_the_tree_has_a_branch_for_each_step(plan_file: Path, capsys: pytest.Cap
     assert {node.get("ID") for node in root.iter("Action")} == modelled
 
 
-def test_the_moveit_scene_has_every_object(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    lines = _exported(capsys, plan_file, "moveit").splitlines()
+def test_the_moveit_scene_has_every_object(plan_file, typed):
+    lines = typed("export", plan_file, "--to", "moveit").out.splitlines()
     assert [line[2:] for line in lines if line.startswith("* ")] == ["table", "under it", "on top"]
     assert lines[-1] == "."
 
 
-def test_a_recording_of_ros_2_does_what_the_plan_does(
-    plan_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_recording_of_ros_2_does_what_the_plan_does(plan_file, tmp_path, capsys, typed):
     assert main(["export", str(plan_file), "--to", "ros2"]) == 2  # no text
     assert "ros2 is no text: say with -o FILE where it is written" in capsys.readouterr().err
-    _exported(capsys, plan_file, "ros2", "-o", tmp_path / "plan.mcap")
+    typed("export", plan_file, "--to", "ros2", "-o", tmp_path / "plan.mcap")
     found, sent = plan_from_json(plan_file.read_bytes()), dict[str, list]()
     with AnyReader([tmp_path / "plan.mcap"]) as reader:  # by the types that are in the file
         for connection, recorded, raw in reader.messages():
@@ -110,37 +103,34 @@ def test_a_recording_of_ros_2_does_what_the_plan_does(
     assert placed.transform.translation.x == pytest.approx(-0.5)
 
 
-def test_pddl_goes_to_one_file_or_two(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    both = _exported(capsys, plan_file, "pddl")
+def test_pddl_goes_to_one_file_or_two(plan_file, typed):
+    both = typed("export", plan_file, "--to", "pddl").out
     assert both.count("(define") == 2
     assert both.count("(") == both.count(")")
-    _exported(capsys, plan_file, "pddl", "-o", plan_file.parent)
+    typed("export", plan_file, "--to", "pddl", "-o", plan_file.parent)
     domain, problem = ((plan_file.parent / f"{name}.pddl").read_text() for name in ("domain", "problem"))
     assert domain.count("(define (domain") == 1
     assert problem.count("(define (problem") == 1
     assert f"{domain}\n;; problem\n{problem}".strip() == both.strip()
 
 
-def test_a_file_is_written_and_said(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_is_written_and_said(plan_file, typed):
     place = plan_file.parent / "tree.xml"
-    assert str(place) in _exported(capsys, plan_file, "bt", "-o", place)
-    assert place.read_text() == _exported(capsys, plan_file, "bt")
+    assert str(place) in typed("export", plan_file, "--to", "bt", "-o", place).out
+    assert place.read_text() == typed("export", plan_file, "--to", "bt").out
 
 
-def test_json_holds_the_text(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    document = json.loads(_exported(capsys, plan_file, "dot", "--json"))
+def test_json_holds_the_text(plan_file, typed):
+    document = typed("export", plan_file, "--to", "dot", "--json").document
     assert document["format"] == "topple.export"
     assert document["to"] == "dot"
-    assert document["text"] == _exported(capsys, plan_file, "dot")
+    assert document["text"] == typed("export", plan_file, "--to", "dot").out
 
 
-def test_a_plan_may_come_through_a_pipe(
-    plan_file: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    expected = _exported(capsys, plan_file, "dot")
+def test_a_plan_may_come_through_a_pipe(plan_file, typed, monkeypatch):
+    expected = typed("export", plan_file, "--to", "dot").out
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(plan_file.read_bytes())))
-    assert main(["export", "-", "--to", "dot"]) == 0
-    assert capsys.readouterr().out == expected
+    assert typed("export", "-", "--to", "dot").out == expected
 
 
 @pytest.mark.parametrize(
@@ -155,14 +145,7 @@ def test_a_plan_may_come_through_a_pipe(
         (("pose_base_to_world",), [[1.0]], "$.pose_base_to_world"),
     ],
 )
-def test_a_bad_field_is_named(
-    plan_file: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    where: tuple[str | int, ...],
-    value: object,
-    words: str,
-) -> None:
+def test_a_bad_field_is_named(plan_file, tmp_path, typed, where, value, words):
     document = json.loads(plan_file.read_bytes())
     inner = document
     for key in where[:-1]:
@@ -171,8 +154,7 @@ def test_a_bad_field_is_named(
     broken = tmp_path / "broken.json"
     broken.write_text(json.dumps(document))
     for to in ("moveit", "bt"):
-        assert main(["export", str(broken), "--to", to]) == 2
-        out, err = capsys.readouterr()
+        out, err = typed("export", broken, "--to", to, code=2)
         assert out == ""
         assert words in err
         assert len(err.splitlines()) == 1
@@ -182,12 +164,9 @@ def test_a_bad_field_is_named(
     ("content", "words"),
     [(b"", "not JSON"), (b"\xff\xfe{", "not JSON"), (b"[1, 2]", "no plan"), (b"{}", "goal")],
 )
-def test_what_is_no_plan_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes, words: str
-) -> None:
+def test_what_is_no_plan_is_refused(tmp_path, typed, content, words):
     (tmp_path / "plan.json").write_bytes(content)
-    assert main(["export", str(tmp_path / "plan.json"), "--to", "dot"]) == 2
-    assert words in capsys.readouterr().err
+    assert words in typed("export", tmp_path / "plan.json", "--to", "dot", code=2).err
 
 
 @pytest.mark.parametrize(
@@ -199,13 +178,9 @@ def test_what_is_no_plan_is_refused(
         ([], "--to"),
     ],
 )
-def test_wrong_use_is_code_2(
-    plan_file: Path, capsys: pytest.CaptureFixture[str], more: list[str], words: str
-) -> None:
-    assert main(["export", str(plan_file), *more]) == 2
-    assert words in capsys.readouterr().err
+def test_wrong_use_is_code_2(plan_file, typed, more, words):
+    assert words in typed("export", plan_file, *more, code=2).err
 
 
-def test_a_missing_plan_is_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["export", str(tmp_path / "none.json"), "--to", "dot"]) == 2
-    assert "none.json" in capsys.readouterr().err
+def test_a_missing_plan_is_code_2(tmp_path, typed):
+    assert "none.json" in typed("export", tmp_path / "none.json", "--to", "dot", code=2).err

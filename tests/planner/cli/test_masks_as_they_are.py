@@ -56,35 +56,34 @@ def refused(argv: list[str], capsys: pytest.CaptureFixture[str]) -> bool:
 
 
 @pytest.mark.parametrize("orderer", [[], ["--orderer", "cautious"]])
-def test_order(frame: str, orderer: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_order(frame, orderer, capsys):
     assert refused(["order", frame, *orderer, "--target", "ghost"], capsys)
     assert not refused(["order", frame, *orderer, "--target", "ghost", "--masks-as-they-are"], capsys)
     assert not refused(["order", frame, *orderer, "--target", "block"], capsys)
     assert not refused(["order", frame, *orderer], capsys)
 
 
-def test_the_order_says_it_all_the_same(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_order_says_it_all_the_same(frame, typed):
     for more in ([], ["--masks-as-they-are"]):
-        assert main(["order", frame, "--fixed", "table", *more]) == 0
-        assert "the mask of 'ghost' is level" in capsys.readouterr().out
+        assert "the mask of 'ghost' is level" in typed("order", frame, "--fixed", "table", *more).out
 
 
-def test_rank(frame: str, grasps: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rank(frame, grasps, capsys):
     assert refused(["rank", frame, grasps, "--object", "ghost"], capsys)
     assert not refused(["rank", frame, grasps, "--object", "ghost", "--masks-as-they-are"], capsys)
     assert not refused(["rank", frame, grasps], capsys)
 
 
-def test_plan(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_plan(frame, capsys):
     assert refused(["plan", frame, "--target", "ghost", *BASE], capsys)
     assert not refused(["plan", frame, "--target", "ghost", *BASE, "--masks-as-they-are"], capsys)
     assert not refused(["plan", frame, "--target", "block", *BASE], capsys)
 
 
-def test_run(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run(frame, capsys):
     assert refused(["run", frame, "--target", "ghost", *BASE], capsys)
 
 
 @pytest.mark.slow
-def test_run_goes_on_with_masks_as_they_are(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_goes_on_with_masks_as_they_are(frame, capsys):
     assert not refused(["run", frame, "--target", "ghost", *BASE, "--masks-as-they-are"], capsys)

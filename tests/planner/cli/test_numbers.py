@@ -9,16 +9,16 @@ from topple.topology.base.values import rounded
 
 @pytest.mark.parametrize(("value", "digits", "text"), [(-0.0, 0, "0"), (-0.4, 0, "0"), (-0.04, 1, "0.0"),
                                                        (-0.6, 0, "-1"), (12.34, 1, "12.3")])  # fmt: skip
-def test_what_rounds_to_nothing_has_no_sign(value: float, digits: int, text: str) -> None:
+def test_what_rounds_to_nothing_has_no_sign(value, digits, text):
     assert rounded(value, digits) == text
 
 
 @pytest.mark.parametrize("distance", [0.0, -0.0, 0.003, -1e-5])
-def test_what_just_touches_is_0_mm_deep(distance: float) -> None:
+def test_what_just_touches_is_0_mm_deep(distance):
     assert _says((Contact("link", "cup", distance),)) == "link touches cup (0 mm deep)"
 
 
-def test_gaps_of_nothing_have_no_sign(capsys: pytest.CaptureFixture[str]) -> None:
+def test_gaps_of_nothing_have_no_sign(capsys):
     assert millimetres(-1e-6) == "0.0 mm"
     pair = {"a": "a", "b": "b", "relation": "touch", "matrix": [[1, 1, 0], [1, 1, 0]], "gap": -1e-6}
     pair |= {"gap_exact": True, "confidence": 1.0, "observed": True}
@@ -26,7 +26,7 @@ def test_gaps_of_nothing_have_no_sign(capsys: pytest.CaptureFixture[str]) -> Non
     assert "-0" not in capsys.readouterr().out
 
 
-def test_the_table_of_supports_shows_the_kind_of_each_pair(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_of_supports_shows_the_kind_of_each_pair(capsys):
     carried = {
         "supporter": "bowl",
         "supported": "lemon",

@@ -41,16 +41,14 @@ def _eighty_columns(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm")
 
 
-def test_what_is_quick_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_quick_says_nothing(capsys):
     with Progress("relate") as progress:
         progress("scene.npz")
         time.sleep(0.3)
     assert capsys.readouterr() == ("", "")
 
 
-def test_what_takes_long_says_each_message_once(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_takes_long_says_each_message_once(capsys, monkeypatch):
     monkeypatch.setattr(module, "_PATIENCE", 0.05)
     monkeypatch.setattr(module, "_WAITING", 0.05)
     monkeypatch.setattr(module, "_TICK", 0.02)
@@ -67,14 +65,14 @@ def test_what_takes_long_says_each_message_once(
     ]
 
 
-def test_a_log_that_waits_for_the_processor_says_nothing_yet(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_log_that_waits_for_the_processor_says_nothing_yet(capsys):
     with Progress("relate") as progress:
         progress("scene.npz")
         time.sleep(1.5)
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_log_has_a_line_once_a_second_was_worked(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_log_has_a_line_once_a_second_was_worked(capsys):
     with Progress("relate") as progress:
         progress("scene.npz")
         end = time.process_time() + 2.2
@@ -83,7 +81,7 @@ def test_a_log_has_a_line_once_a_second_was_worked(capsys: pytest.CaptureFixture
     assert capsys.readouterr().err.startswith("topple relate: scene.npz (")
 
 
-def test_a_terminal_is_left_clean(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_is_left_clean(monkeypatch):
     terminal = _Terminal()
     monkeypatch.setattr(module.sys, "stderr", terminal)
     monkeypatch.setattr(module, "_PATIENCE", 0.05)
@@ -95,9 +93,7 @@ def test_a_terminal_is_left_clean(monkeypatch: pytest.MonkeyPatch) -> None:
     assert terminal.screen() == []
 
 
-def test_a_line_is_no_wider_than_the_terminal_and_what_is_printed_stands_alone(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_line_is_no_wider_than_the_terminal_and_what_is_printed_stands_alone(monkeypatch):
     monkeypatch.setattr(module, "_PATIENCE", 0.0)
     monkeypatch.setattr(module, "_TICK", 0.01)
     terminal = _Terminal()
@@ -114,7 +110,7 @@ def test_a_line_is_no_wider_than_the_terminal_and_what_is_printed_stands_alone(
     assert terminal.screen() == ["take  because", "take  because"]
 
 
-def test_a_terminal_has_a_bar_and_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_has_a_bar_and_what_is_left(monkeypatch):
     monkeypatch.setattr(module, "_PATIENCE", 0.0)
     monkeypatch.setattr(module, "_TICK", 0.01)
     terminal = _Terminal()

@@ -1,12 +1,12 @@
+import io
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from moving import at
+from on_table import table
 
-from topple.planner.cli.main import main
 from topple.robots.shapes.boxes import box
 
 BASE = ("--base", "-0.5", "0", "0", "0")
@@ -16,10 +16,8 @@ BASE = ("--base", "-0.5", "0", "0", "0")
 def scene(tmp_path: Path) -> Path:
     """A block on a block on a table; the blocks are called 1 and 2."""
     rng = np.random.default_rng(0)
-    axis = np.arange(-0.3, 0.3, 0.008)
-    x, y = np.meshgrid(axis, axis)
     clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
+        "table": table(0.3),
         "1": box("1", (0.05, 0.05, 0.05)).surface(3000, rng),
         "2": box("2", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0505]),
     }
@@ -49,11 +47,8 @@ def grasps(tmp_path: Path) -> Path:
     return tmp_path / "predictions.npz"
 
 
-def test_the_document_ranks_what_may_go_first_and_says_why_not(
-    scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["rank", str(scene), str(grasps), "--robot", "panda", *BASE, "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_the_document_ranks_what_may_go_first_and_says_why_not(scene, grasps, typed):
+    document = typed("rank", scene, grasps, "--robot", "panda", *BASE, "--json").document
     assert (document["format"], document["format_version"], document["robot"]) == ("topple.rank", 1, "panda")
     assert document["reach_asked"] is True
     entries = document["grasps"]
@@ -72,22 +67,18 @@ def test_the_document_ranks_what_may_go_first_and_says_why_not(
     assert np.allclose(np.array(entries[0]["pose_tool_to_world"])[:3, 3], [0.0, 0.0, 0.088])
 
 
-def test_the_table_says_it_of_each_grasp(
-    scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["rank", str(scene), str(grasps)]) == 0
-    printed = capsys.readouterr().out
+def test_the_table_says_it_of_each_grasp(scene, grasps, typed):
+    printed = typed("rank", scene, grasps).out
     assert "1 of 3 grasps can be done now" in printed
     assert "nothing is between its pads" in printed
     assert "Reach was not asked" in printed
-    assert main(["rank", "--fixed", "table", str(scene), str(grasps), "--object", "1"]) == 0
-    printed = capsys.readouterr().out
+    printed = typed("rank", "--fixed", "table", scene, grasps, "--object", "1").out
     assert "0 of 1 grasps can be done now" in printed
 
 
-def test_grasps_out_of_reach_say_so(scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["rank", str(scene), str(grasps), "--base", "-3", "0", "0", "0", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["grasps"][0]["why"] == "out of reach"
+def test_grasps_out_of_reach_say_so(scene, grasps, typed):
+    document = typed("rank", scene, grasps, "--base", "-3", "0", "0", "0", "--json").document
+    assert document["grasps"][0]["why"] == "out of reach"
 
 
 @pytest.mark.parametrize(
@@ -102,46 +93,34 @@ def test_grasps_out_of_reach_say_so(scene: Path, grasps: Path, capsys: pytest.Ca
         (("FAR",), "no grasp is near anything"),
     ],
 )
-def test_wrong_use_is_one_line(
-    scene: Path, grasps: Path, argv: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    far = np.eye(4)
-    far[0, 3] = 9.0
+def test_wrong_use_is_one_line(scene, grasps, argv, words, typed):
+    far = at(9.0, 0.0, 0.0)
     np.save(scene.with_name("far.npy"), far[None])
     files = {"GRASPS": grasps, "SCENE": scene, "FAR": scene.with_name("far.npy")}
-    assert main(["rank", str(scene), *(str(files.get(word, word)) for word in argv)]) == 2
-    printed = capsys.readouterr()
+    printed = typed("rank", scene, *(str(files.get(word, word)) for word in argv), code=2)
     assert printed.out == ""
     assert words in printed.err
     assert printed.err.count("\n") == 1
 
 
-def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_other(
-    scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_other(scene, grasps, typed):
     again = scene.with_name("again.npz")
     again.write_bytes(scene.read_bytes())
-    assert main(["rank", str(scene), str(grasps), str(again), str(grasps), "--json"]) == 0
-    first, second = (json.loads(line) for line in capsys.readouterr().out.splitlines())
+    pairs = typed("rank", scene, grasps, again, grasps, "--json").out
+    first, second = (json.loads(line) for line in pairs.splitlines())
     assert (first["scene"], second["scene"]) == (str(scene), str(again))
     assert first["grasps"] == second["grasps"]
-    assert main(["rank", str(scene), "missing.npy", str(again), str(grasps), "--json"]) == 2
-    printed = capsys.readouterr()
+    printed = typed("rank", scene, "missing.npy", again, grasps, "--json", code=2)
     assert json.loads(printed.out)["scene"] == str(again)
     assert "missing.npy" in printed.err and printed.err.count("\n") == 1
 
 
 @pytest.mark.parametrize("kind", ["npz", "npy"])
-def test_grasps_are_piped_in(
-    scene: Path, grasps: Path, kind: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_grasps_are_piped_in(scene, grasps, kind, typed, monkeypatch):
     if kind == "npy":
         grasps = scene.with_name("poses.npy")
         np.save(grasps, np.array([np.diag([1.0, -1.0, -1.0, 1.0]) + np.eye(4, k=3) * 0.0]))
-    code = "import sys; from topple.planner.cli.main import main; sys.exit(main(sys.argv[1:]))"
-    call = [sys.executable, "-c", code, "rank", str(scene), "-", "--json"]
-    done = subprocess.run(call, input=grasps.read_bytes(), capture_output=True, check=True)
-    piped = json.loads(done.stdout)
-    assert main(["rank", str(scene), str(grasps), "--json"]) == 0
-    direct = json.loads(capsys.readouterr().out)
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(grasps.read_bytes())))
+    piped = typed("rank", scene, "-", "--json").document
+    direct = typed("rank", scene, grasps, "--json").document
     assert piped["grasps"] == direct["grasps"] and len(piped["grasps"]) > 0 and piped["file"] == "-"

@@ -21,11 +21,8 @@ PANDA = str(data_path() / "franka_panda" / "panda.urdf")
 
 
 @pytest.mark.slow
-def test_a_panda_is_understood_tried_and_its_line_plans(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["robot", PANDA, "--json", "-o", str(tmp_path / "arm.png")]) == 0
-    said = json.loads(capsys.readouterr().out)
+def test_a_panda_is_understood_tried_and_its_line_plans(tmp_path, typed):
+    said = typed("robot", PANDA, "--json", "-o", tmp_path / "arm.png").document
     assert said["format"] == "topple.robot" and said["ok"] is True
     assert [joint["name"] for joint in said["joints"]] == [f"panda_joint{k}" for k in range(1, 8)]
     assert [tool["kind"] for tool in said["tools"]] == ["jaw"]
@@ -49,23 +46,19 @@ def test_a_panda_is_understood_tried_and_its_line_plans(
     assert json.loads(plan.read_text())["steps"]
 
 
-def test_an_arm_without_a_tool_is_described_and_told_what_to_write(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["robot", str(written(tmp_path))]) == 1
-    out = capsys.readouterr().out
+def test_an_arm_without_a_tool_is_described_and_told_what_to_write(tmp_path, typed):
+    out = typed("robot", str(written(tmp_path)), code=1).out
     assert "6 joints from world" in out
     assert 'cup = {link = "tool0"' in out and "not tried, there is nothing to take hold with" in out
     assert "no velocity limits" in out
 
 
-def test_the_grasp_can_be_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["robot", PANDA, "--no-grasp", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
+def test_the_grasp_can_be_left_out(tmp_path, typed):
+    said = typed("robot", PANDA, "--no-grasp", "--json").document
     assert said["grasp"] is None and said["untried"] == "it was not asked for"
 
 
-def test_an_arm_whose_inverse_kinematics_misses_poses_is_not_ok(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_arm_whose_inverse_kinematics_misses_poses_is_not_ok(monkeypatch):
     from topple.robots.arm import arm as module
 
     found = examine(robot(PANDA), grasp=False)
@@ -87,15 +80,13 @@ def test_an_arm_whose_inverse_kinematics_misses_poses_is_not_ok(monkeypatch: pyt
         (["panda", "--gripper", "wsg50"], "has a hand of its own"),
     ],
 )
-def test_what_cannot_be_used_is_refused_in_one_line(
-    argv: list[str], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_used_is_refused_in_one_line(argv, words, capsys):
     assert main(["robot", *argv]) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if "reading" not in line]
     assert len(lines) == 1 and words in lines[0]
 
 
-def test_an_arm_that_reaches_no_table_gets_no_block(tmp_path: Path) -> None:
+def test_an_arm_that_reaches_no_table_gets_no_block(tmp_path):
     path = written(tmp_path)
     text = path.read_text().replace("lower='-2.6' upper='2.6'", "lower='-0.1' upper='0.1'")
     path.write_text(text)

@@ -1,12 +1,10 @@
 """`topple scene`: from files of views to a scene file that the other commands take."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from topple.planner.cli.main import main
 from topple.robots import scenario
 from topple.topology.io import load_scene
 
@@ -30,12 +28,9 @@ def views(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return paths
 
 
-def test_views_become_a_scene_that_is_ordered(
-    views: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_views_become_a_scene_that_is_ordered(views, tmp_path, typed):
     place = tmp_path / "scene.npz"
-    assert main(["scene", *map(str, views), "-o", str(place), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = typed("scene", *views, "-o", place, "--json").document
     assert (document["format"], document["masked"], document["fixed"]) == ("topple.scene", True, ["table"])
     first, second, third = document["views"]
     assert first["registration"] is None and first["ground"]["residual"] < 0.005
@@ -45,27 +40,21 @@ def test_views_become_a_scene_that_is_ordered(
     scene = load_scene(place)
     assert set(scene.movable) == {"bowl_0", "box_1", "box_2", "can_3", "box_4", "spoon_5", "spoon_6"}
     assert len(scene.viewpoints) == 3 and sum(map(len, scene.clouds.values())) < 70_000
-    assert main(["order", str(place), "--target", "bowl_0"]) == 0
-    assert "bowl_0" in capsys.readouterr().out
+    assert "bowl_0" in typed("order", place, "--target", "bowl_0").out
 
 
-def test_the_table_says_how_far_each_step_can_be_trusted(
-    views: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_table_says_how_far_each_step_can_be_trusted(views, tmp_path, typed):
     bare = []
     for path in views[:2]:
         with np.load(path) as view:
             bare.append(tmp_path / path.name)
             np.savez(bare[-1], **{key: view[key] for key in ("depth", "K", "pose_camera_to_world")})
-    assert main(["scene", *map(str, bare), "-o", str(tmp_path / "s.npz")]) == 0
-    printed = capsys.readouterr().out
+    printed = typed("scene", *bare, "-o", tmp_path / "s.npz").out
     for word in ("residual", "looked through", "by their shape", "dropped as outliers", "no masks"):
         assert word in printed
 
 
-def test_what_is_no_view_is_one_line(
-    views: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_no_view_is_one_line(views, tmp_path, typed):
     np.savez(tmp_path / "clouds.npz", cup=np.random.default_rng(0).random((50, 3)))
     for argv, words in (
         ((views[0],), "expected two views or more"),
@@ -73,6 +62,5 @@ def test_what_is_no_view_is_one_line(
         ((views[0], tmp_path / "gone.npz"), "gone.npz: cannot be read"),
         ((views[0], views[1], "-o", tmp_path / "no" / "scene.npz"), "does not exist"),
     ):
-        assert main(["scene", *map(str, argv)]) == 2
-        printed = capsys.readouterr()
+        printed = typed("scene", *argv, code=2)
         assert words in printed.err and printed.err.count("\n") == 1 and printed.out == ""

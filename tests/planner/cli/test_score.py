@@ -48,16 +48,14 @@ def scored(capsys: pytest.CaptureFixture[str], *argv: object) -> list[dict]:
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
 
 
-def test_a_view_of_a_recorded_pile_is_a_scene(pile: Path) -> None:
+def test_a_view_of_a_recorded_pile_is_a_scene(pile):
     whole, seen = load_scene(pile), load_scene(pile, view="view1")
     assert whole.names == ("table", "1", "2", "3") and seen.names == ("table", "1", "2")
     assert whole.fixed == {"table"} and len(whole.viewpoints) == 0 and len(seen.viewpoints) == 1
     assert np.ptp(whole.clouds["1"], axis=0) == pytest.approx([0.05] * 3, abs=2e-3)
 
 
-def test_pairs_and_unsafe_steps_are_those_counted_by_hand(
-    pile: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_pairs_and_unsafe_steps_are_those_counted_by_hand(pile, capsys):
     (document,) = scored(capsys, pile)
     assert (document["format"], document["labels_format"]) == ("topple.score", "pile")
     assert (document["right"], document["false"], document["missed"]) == (1, 0, 1)
@@ -68,9 +66,7 @@ def test_pairs_and_unsafe_steps_are_those_counted_by_hand(
     assert (document["steps"], document["unsafe_steps"], document["safe"]) == (3, 1, 0)
 
 
-def test_an_order_of_another_program_is_scored_as_written(
-    pile: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_order_of_another_program_is_scored_as_written(pile, tmp_path, capsys):
     edges = [{"first": "1", "then": "2"}, {"first": "2", "then": "3"}]
     theirs = {"format": "topple.order", "order": ["1", "2", "3"], "dependencies": edges, "groups": []}
     (tmp_path / "theirs.json").write_text(json.dumps(theirs), encoding="utf-8")
@@ -80,15 +76,14 @@ def test_an_order_of_another_program_is_scored_as_written(
     assert document["unsafe"] == [{"object": "1", "moves": ["2"]}] and document["safe"] == 0
 
 
-def test_several_scenes_are_pooled(pile: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_scenes_are_pooled(pile, tmp_path, capsys, typed):
     again = tmp_path / "again.npz"
     again.write_bytes(pile.read_bytes())
     *each, everything = scored(capsys, pile, again)
     assert len(each) == 2 and everything["scene"] is None and everything["scenes"] == 2
     for key in ("right", "missed", "steps", "safe"):
         assert everything[key] == sum(document[key] for document in each)
-    assert main(["score", str(pile), str(again), "--orderer", "cautious"]) == 0
-    assert "all 2 scenes: F1 0.667" in capsys.readouterr().out
+    assert "all 2 scenes: F1 0.667" in typed("score", pile, again, "--orderer", "cautious").out
 
 
 @pytest.mark.parametrize(
@@ -102,11 +97,10 @@ def test_several_scenes_are_pooled(pile: Path, tmp_path: Path, capsys: pytest.Ca
         (("OTHER", "--labels", "PILE"), "expected a topple.order"),
     ],
 )
-def test_wrong_use_is_one_line(pile: Path, argv, words: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_use_is_one_line(pile, argv, words, typed):
     broken, other = pile.with_name("broken.json"), pile.with_name("other.json")
     broken.write_text('{"format": "topple.order", "dependencies": []}', encoding="utf-8")
     other.write_text('{"format": "topple.plan"}', encoding="utf-8")
     files = {"PILE": pile, "BROKEN": broken, "OTHER": other}
-    assert main(["score", *(str(files.get(word, word)) for word in argv)]) == 2
-    printed = capsys.readouterr()
+    printed = typed("score", *(str(files.get(word, word)) for word in argv), code=2)
     assert printed.out == "" and words in printed.err and printed.err.count("\n") == 1

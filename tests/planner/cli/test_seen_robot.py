@@ -1,13 +1,11 @@
 """A robot in its own picture: with --joints what is seen at it is nobody's, and no more than that."""
 
-import json
 import re
 from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
-from topple.planner.cli.main import main
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
@@ -42,24 +40,21 @@ def frame(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(path)
 
 
-def said_of_matter(capsys: pytest.CaptureFixture[str], command: Sequence[str]) -> list[str]:
-    assert main([*command, "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def said_of_matter(typed, command: Sequence[str]) -> list[str]:
+    document = typed(*command, "--json").document
     return [text for text in document["assumptions"] if "reaches beyond the objects" in text]
 
 
 @pytest.mark.parametrize("command", ["relate", "order"])
-def test_its_points_are_nobodys_and_those_of_a_post_are_matter(
-    command: str, frame: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (without,) = said_of_matter(capsys, [command, frame])
-    (given,) = said_of_matter(capsys, [command, frame, *JOINTS, *BASE])
+def test_its_points_are_nobodys_and_those_of_a_post_are_matter(command, frame, typed):
+    (without,) = said_of_matter(typed, [command, frame])
+    (given,) = said_of_matter(typed, [command, frame, *JOINTS, *BASE])
     assert int(without.split(": ")[1].split()[0]) > 1500
     assert 100 < int(given.split(": ")[1].split()[0]) < 400
     assert re.search(r"between \(-0\.1[23], 0\.4[23]", given)
 
 
-def test_in_python_its_bodies_are_given(frame: str) -> None:
+def test_in_python_its_bodies_are_given(frame):
     panda = robot("panda")
     scene = load_scene(frame, robot=panda.bodies(panda.home, pose_at(-0.5, 0.0, 0.0)))
     assert set(scene.names) == {"table", "box"}
@@ -68,8 +63,8 @@ def test_in_python_its_bodies_are_given(frame: str) -> None:
 
 
 @pytest.mark.slow
-def test_an_arm_that_stands_there_plans(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert said_of_matter(capsys, ["plan", frame, "--target", "box", *JOINTS, *BASE, "--verify"])
+def test_an_arm_that_stands_there_plans(frame, typed):
+    assert said_of_matter(typed, ["plan", frame, "--target", "box", *JOINTS, *BASE, "--verify"])
 
 
 @pytest.mark.parametrize(
@@ -80,13 +75,9 @@ def test_an_arm_that_stands_there_plans(frame: str, capsys: pytest.CaptureFixtur
         ((*JOINTS[:-1], "nan", *BASE), r"expected 7 finite joint values"),
     ],
 )
-def test_what_is_missing_is_said(
-    options: Sequence[str], words: str, frame: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["order", frame, *options]) == 2
-    assert words in capsys.readouterr().err
+def test_what_is_missing_is_said(options, words, frame, typed):
+    assert words in typed("order", frame, *options, code=2).err
 
 
-def test_joints_are_those_of_a_robot(frame: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["relate", frame, "--joints", "0"]) == 2
-    assert "--joints are those of --robot" in capsys.readouterr().err
+def test_joints_are_those_of_a_robot(frame, typed):
+    assert "--joints are those of --robot" in typed("relate", frame, "--joints", "0", code=2).err

@@ -1,12 +1,10 @@
 """Tables of documents: everything a person needs is in them."""
 
-import pytest
-
 from topple.planner.cli.tables import print_order, print_relations, print_run
 from topple.planner.formats.run_record import RunRecord, StepRecord
 
 
-def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys):
     steps = (
         StepRecord("spoon", "remove", True, disturbed={"can": (0.0094, 0.01)}, seconds=4.0),
         StepRecord(
@@ -31,7 +29,7 @@ def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.Captur
         assert words in plate
 
 
-def test_only_what_is_not_where_it_shall_be_is_called_not_reached(capsys: pytest.CaptureFixture[str]) -> None:
+def test_only_what_is_not_where_it_shall_be_is_called_not_reached(capsys):
     missing = ("plate is not free",)
     for record, word in (
         (RunRecord("free plate", "panda", 0, False, missing, missing=missing), "failed"),
@@ -41,7 +39,7 @@ def test_only_what_is_not_where_it_shall_be_is_called_not_reached(capsys: pytest
         assert capsys.readouterr().out.startswith(f"dishes: free plate, {word} after 0 actions")
 
 
-def test_relations_leave_out_what_is_apart_but_count_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_relations_leave_out_what_is_apart_but_count_it(capsys):
     pair = {"a": "cup", "b": "mug", "relation": "disjoint", "matrix": [[0, 0, 9], [0, 0, 9]], "gap": 0.5}
     pair |= {"gap_exact": False, "confidence": 1.0, "observed": True}
     document = {"deviation": 0.002, "objects": ["cup", "mug"], "relations": [pair]}
@@ -54,7 +52,7 @@ def test_relations_leave_out_what_is_apart_but_count_it(capsys: pytest.CaptureFi
     assert "> 500.0" in out
 
 
-def test_a_group_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_group_is_said_in_words(capsys):
     document = {
         "targets": ["a"],
         "order": ["b", "a"],

@@ -22,7 +22,7 @@ def chance(found: Disturbance, view: str, height: float = 0.03) -> float:
 
 
 @pytest.mark.parametrize("view", weights())
-def test_no_sign_of_a_disturbance_makes_it_less_likely(view: str) -> None:
+def test_no_sign_of_a_disturbance_makes_it_less_likely(view):
     weaker = (
         replace(FOUND, over=None),
         replace(FOUND, seen=None),
@@ -35,7 +35,7 @@ def test_no_sign_of_a_disturbance_makes_it_less_likely(view: str) -> None:
     assert chance(FOUND, view, -0.03) < chance(FOUND, view)
 
 
-def test_that_it_is_higher_up_shows_no_dependency() -> None:
+def test_that_it_is_higher_up_shows_no_dependency():
     beside = Disturbance(over=None, seen=None, unheld=0.0, up=None, depth=0.0)
     asked = {("a", "b"): beside, ("b", "a"): replace(beside, up=0.8), ("a", "c"): replace(beside, seen=HANGS)}
     assert counting(asked, dict.fromkeys(asked, 0.9), 1) == [("b", "a"), ("a", "c")]
@@ -43,7 +43,7 @@ def test_that_it_is_higher_up_shows_no_dependency() -> None:
     assert counting({**asked, ("b", "c"): FOUND}, dict.fromkeys((*asked, ("b", "c")), 0.9), 0) == [("b", "c")]
 
 
-def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so() -> None:
+def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so():
     leans = Disturbance(over=None, seen=None, unheld=0.4, up=0.1, depth=0.0)
     asked = {("a", "b"): leans, ("b", "a"): replace(leans, up=-0.1)}
 
@@ -57,13 +57,13 @@ def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so() -> N
     assert ("b", "a") not in counted("several", {("a", "b"): replace(leans, up=0.9), ("b", "a"): rests})
 
 
-def test_every_view_has_its_weights() -> None:
+def test_every_view_has_its_weights():
     seen = [seen_by(given(training()[0], *look)) for look in LOOKS]
     assert sorted(seen) == sorted(weights())
     assert all(len(each) == len(SIGNS) for each in weights().values())
 
 
-def test_the_fit_finds_the_weights_that_labels_were_drawn_with() -> None:
+def test_the_fit_finds_the_weights_that_labels_were_drawn_with():
     rng = np.random.default_rng(0)
     true = np.array([-3.0, 0.8, 1.5, 0.5, 0.4, -1.0, 0.3, 0.6, 0.5, -0.7, 0.2, 0.4])
     signs = np.column_stack([np.ones(40_000), rng.uniform(0, 2, (40_000, len(SIGNS) - 1))])
@@ -73,7 +73,7 @@ def test_the_fit_finds_the_weights_that_labels_were_drawn_with() -> None:
     assert fitted([(signs, 1.0 - labels)])[1:5] == [0.0] * 4, "a sign speaks against what it is a sign of"
 
 
-def test_no_version_is_judged_on_scenes_that_taught_chances() -> None:
+def test_no_version_is_judged_on_scenes_that_taught_chances():
     taught = {scene.name for scene in training()}
     assert taught.isdisjoint(scene.name for scene in few())
     assert all(taught.isdisjoint(scene.name for scene in drawn(commit)) for commit in ("a2ac90c", "f65314a"))

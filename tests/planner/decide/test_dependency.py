@@ -16,32 +16,32 @@ def slab(x: float, z: float, size: float = 0.1) -> np.ndarray:
     return np.column_stack([grid[:, 0] + x, grid[:, 1], np.full(len(grid), z)])
 
 
-def test_what_hangs_over_must_be_pushed_aside_by_its_overhang() -> None:
+def test_what_hangs_over_must_be_pushed_aside_by_its_overhang():
     found = overlap(slab(0.06, 0.1), slab(0.0, 0.0))
     assert found is not None
     assert found.evasion == pytest.approx(0.04, abs=0.006)
 
 
-def test_above_is_not_below_and_beside_is_neither() -> None:
+def test_above_is_not_below_and_beside_is_neither():
     assert overlap(slab(0, 0.0), slab(0, 0.1)) is None
     assert overlap(slab(0.2, 0.1), slab(0, 0.0)) is None
 
 
-def test_what_is_higher_than_the_lift_is_not_met() -> None:
+def test_what_is_higher_than_the_lift_is_not_met():
     assert overlap(slab(0, 0.5), slab(0, 0.0)) is None
 
 
-def test_an_edge_to_nobody_is_refused() -> None:
+def test_an_edge_to_nobody_is_refused():
     with pytest.raises(UnknownObject, match="c"):
         DependencyGraph(("a", "b"), (Dependency("a", "c", "supported", 1.0),))
 
 
-def test_the_surer_of_two_reasons_stays() -> None:
+def test_the_surer_of_two_reasons_stays():
     edges = [Dependency("a", "b", "leaning", 0.4), Dependency("a", "b", "supported", 0.8)]
     assert DependencyGraph.of(("a", "b"), edges).dependencies == (edges[1],)
 
 
-def test_cycles_and_ancestors() -> None:
+def test_cycles_and_ancestors():
     pairs = (("a", "b"), ("b", "a"), ("b", "c"))
     graph = DependencyGraph(tuple("abcd"), tuple(Dependency(x, y, "leaning", 0.5) for x, y in pairs))
     assert graph.cycles() == (("a", "b"),)
@@ -49,7 +49,7 @@ def test_cycles_and_ancestors() -> None:
     assert graph.before("d") == frozenset()
 
 
-def test_an_edge_is_believed_as_the_chance_of_its_pair() -> None:
+def test_an_edge_is_believed_as_the_chance_of_its_pair():
     rng = np.random.default_rng(0)
     low, top = shapes.box("low", (0.1, 0.1, 0.06)), shapes.box("top", (0.07, 0.07, 0.05))
     table = np.column_stack([rng.uniform(-0.3, 0.3, (3000, 2)), np.zeros(3000)])
@@ -70,7 +70,7 @@ def _block(x: float, y: float, z: float, at: tuple[float, float, float]) -> Floa
 
 @pytest.mark.parametrize("height", [0.02, 0.12])
 @pytest.mark.parametrize("floor", [False, True])
-def test_what_is_around_holds_what_stands_on_its_floor_alone(height: float, floor: bool) -> None:
+def test_what_is_around_holds_what_stands_on_its_floor_alone(height, floor):
     sides = [_block(0.14, 0.01, height, (0.0, y, 0.0)) for y in (-0.065, 0.065)]
     sides += [_block(0.01, 0.14, height, (x, 0.0, 0.0)) for x in (-0.065, 0.065)]
     table = np.stack(np.meshgrid(np.arange(-0.3, 0.3, 0.01), np.arange(-0.3, 0.3, 0.01), 0.0), -1)
@@ -84,7 +84,7 @@ def test_what_is_around_holds_what_stands_on_its_floor_alone(height: float, floo
     assert [(edge.first, edge.then) for edge in found] == [("can", "frame")] * floor
 
 
-def test_what_a_counterweight_presses_on_through_a_plank_stays() -> None:
+def test_what_a_counterweight_presses_on_through_a_plank_stays():
     parts = {
         "table": _block(0.6, 0.6, 0.02, (0.0, 0.0, -0.02)),
         "base": _block(0.06, 0.06, 0.06, (0.0, 0.0, 0.0005)),

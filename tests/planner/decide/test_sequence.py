@@ -17,7 +17,7 @@ def _safety(order: tuple[int, ...], chances: dict[tuple[str, str], float]) -> fl
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_no_allowed_order_is_safer(seed: int) -> None:
+def test_no_allowed_order_is_safer(seed):
     rng = np.random.default_rng(seed)
     count = int(rng.integers(2, 7))
     chances = {(str(i), str(j)): float(rng.uniform(0, 0.6)) for i, j in permutations(range(count), 2)}
@@ -34,7 +34,7 @@ def test_no_allowed_order_is_safer(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_no_set_of_removals_that_is_allowed_is_safer(seed: int) -> None:
+def test_no_set_of_removals_that_is_allowed_is_safer(seed):
     rng = np.random.default_rng(seed)
     count, harm = int(rng.integers(2, 6)), 0.1
     chances = {(str(i), str(j)): float(rng.uniform(0, 0.6)) for i, j in permutations(range(count), 2)}
@@ -60,7 +60,7 @@ def test_no_set_of_removals_that_is_allowed_is_safer(seed: int) -> None:
     assert safety(found) >= max(map(safety, allowed)) * 0.9
 
 
-def test_many_units_keep_what_must_precede() -> None:
+def test_many_units_keep_what_must_precede():
     count = 40
     before = [frozenset({j - 1}) if j % 2 else frozenset[int]() for j in range(count)]
     found = safest([(str(i),) for i in range(count)], before, {}, {})
@@ -68,12 +68,12 @@ def test_many_units_keep_what_must_precede() -> None:
     assert all(found.index(j - 1) < found.index(j) for j in range(1, count, 2))
 
 
-def test_of_orders_equally_safe_the_shortest_way_is_taken_and_then_the_first_given() -> None:
+def test_of_orders_equally_safe_the_shortest_way_is_taken_and_then_the_first_given():
     places = {str(i): np.array([at, 0.0]) for i, at in enumerate((0.0, 0.2, 0.1, 0.3))}
     units, free = [(str(i),) for i in range(4)], [frozenset[int]()] * 4
     assert safest(units, free, {}, places) == [0, 2, 1, 3]
     assert safest(units, free, {("2", "0"): 0.3}, places) == [3, 1, 2, 0]
 
 
-def test_nothing_to_order() -> None:
+def test_nothing_to_order():
     assert safest([], [], {}, {}) == []

@@ -53,9 +53,11 @@ def surface(block: Block, rng: np.random.Generator) -> FloatArray:
     return Rotation.from_euler("y", lean, degrees=True).apply(points * edges) + middle
 
 
-@pytest.mark.parametrize("size", [0.01, 0.02, 0.05, 0.1, 0.3, 0.6])
+@pytest.mark.parametrize(
+    "size", [0.01, 0.05, 0.6, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.02, 0.1, 0.3))]
+)
 @pytest.mark.parametrize("name", SCENES)
-def test_a_textbook_scene_is_told_as_it_is_drawn(name: str, size: float) -> None:
+def test_a_textbook_scene_is_told_as_it_is_drawn(name, size):
     blocks, wanted = SCENES[name]
     rng = np.random.default_rng(7)
     noise = 2e-4 if size < 0.1 else 1e-3
@@ -72,7 +74,7 @@ def test_a_textbook_scene_is_told_as_it_is_drawn(name: str, size: float) -> None
     assert not order.groups
 
 
-def test_pictures_are_enlarged_with_what_they_show() -> None:
+def test_pictures_are_enlarged_with_what_they_show():
     scene = _pictured(next(scene for scene in pool() if scene.set == "settled"))
     small = Situation(enlarged(scene, 0.1))
     assert small.sized.unit == pytest.approx(0.1, rel=0.6)
@@ -87,12 +89,12 @@ def test_pictures_are_enlarged_with_what_they_show() -> None:
     assert np.allclose(scene.images[0].enlarged(3.0).depth_past(behind * 3.0, around=True), past * 3.0)
 
 
-def test_a_scene_asked_again_gives_the_same_relations() -> None:
+def test_a_scene_asked_again_gives_the_same_relations():
     scene = _pictured(next(scene for scene in pool() if scene.name == "settled 44000020"))
     assert len({json.dumps(topple.relate(scene).to_json()) for _ in range(2)}) == 1
 
 
-def test_three_cameras_tell_most_boards_from_what_they_lean_on() -> None:
+def test_three_cameras_tell_most_boards_from_what_they_lean_on():
     scenes = [scene for scene in pool() if scene.set == "leaning"][:12]  # of those that teach nothing
     told = [
         {(d.first, d.then) for d in topple.order(_pictured(scene, 3)).graph.dependencies} for scene in scenes

@@ -27,13 +27,13 @@ def started():
     made.close()
 
 
-def test_all_three_are_registered() -> None:
+def test_all_three_are_registered():
     assert topple.planner.environment
     for name in ("Pile", "Dishes", "Lemon"):
         assert gymnasium.spec(f"topple/{name}-v0").kwargs == {"scenario": name.lower()}
 
 
-def test_the_arrays_say_what_relate_and_order_say(started) -> None:
+def test_the_arrays_say_what_relate_and_order_say(started):
     made, seen, slot, info = started
     assert info["goal"] == "free plate" and made.observation_space.contains(seen)
     assert np.flatnonzero(seen["target"]).tolist() == [slot["plate"]]
@@ -49,7 +49,7 @@ def test_the_arrays_say_what_relate_and_order_say(started) -> None:
     assert picture.shape == (480, 640, 3) and picture.dtype == np.uint8 and np.ptp(picture) > 100
 
 
-def test_taking_the_plate_from_under_the_rest_costs_more_than_it_gains(started) -> None:
+def test_taking_the_plate_from_under_the_rest_costs_more_than_it_gains(started):
     made, _, slot, _ = started
     made.reset(seed=3, options={"scene": DISHES})
     _, reward, ended, cut, info = made.step(slot["plate"])
@@ -57,7 +57,7 @@ def test_taking_the_plate_from_under_the_rest_costs_more_than_it_gains(started) 
     assert len(info["disturbed"]) >= 2 and reward == pytest.approx(1 - EFFORT - len(info["disturbed"]))
 
 
-def test_one_after_the_other_the_plate_comes_free(started) -> None:
+def test_one_after_the_other_the_plate_comes_free(started):
     made, seen, slot, _ = started
     made.reset(seed=3, options={"scene": DISHES})
     graph, rewards, taken = seen["graph"], [], set()
@@ -72,7 +72,7 @@ def test_one_after_the_other_the_plate_comes_free(started) -> None:
     assert rewards == pytest.approx([-EFFORT] * 4 + [1 - EFFORT])
 
 
-def test_what_may_not_be_taken_does_nothing_and_ends_some_day(started) -> None:
+def test_what_may_not_be_taken_does_nothing_and_ends_some_day(started):
     made, _, slot, _ = started
     made.reset(seed=3, options={"scene": DISHES})
     for step in range(3 * len(slot)):
@@ -81,7 +81,7 @@ def test_what_may_not_be_taken_does_nothing_and_ends_some_day(started) -> None:
         assert cut == (step == 3 * len(slot) - 1)
 
 
-def test_what_the_goal_puts_is_put_and_what_it_puts_it_on_stays() -> None:
+def test_what_the_goal_puts_is_put_and_what_it_puts_it_on_stays():
     made = Picking("tower", slots=4, points=16)
     seen, info = made.reset(seed=0)
     slot = {name: k for k, name in enumerate(info["names"])}
@@ -92,7 +92,7 @@ def test_what_the_goal_puts_is_put_and_what_it_puts_it_on_stays() -> None:
         Picking("tower", slots=3).reset(seed=0)
 
 
-def test_arguments_that_make_no_sense_are_refused() -> None:
+def test_arguments_that_make_no_sense_are_refused():
     for wrong in ({"cameras": 4}, {"slots": 0}, {"points": -1}, {"render_mode": "human"}):
         with pytest.raises(InvalidInput, match="expected"):
             Picking(**wrong)
@@ -102,20 +102,20 @@ def test_arguments_that_make_no_sense_are_refused() -> None:
         Picking().step(np.int64(0))
 
 
-def test_without_gymnasium_its_extra_is_named() -> None:
+def test_without_gymnasium_its_extra_is_named():
     code = "import sys; sys.modules['gymnasium'] = None; import topple.planner.environment"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert "environments need Gymnasium: pip install 'gymnasium>=1.0'" in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.slow
-def test_gymnasium_takes_it() -> None:
+def test_gymnasium_takes_it():
     check_env(gymnasium.make("topple/Dishes-v0", render_mode="rgb_array").unwrapped)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["sync", "async"])
-def test_it_vectorises(how: str) -> None:
+def test_it_vectorises(how):
     many = gymnasium.make_vec("topple/Dishes-v0", num_envs=2, vectorization_mode=how)
     seen, _ = many.reset(seed=1)
     assert seen["graph"].shape == (2, SLOTS, SLOTS)
@@ -125,7 +125,7 @@ def test_it_vectorises(how: str) -> None:
 
 
 @pytest.mark.slow
-def test_cameras_see_less_than_there_is() -> None:
+def test_cameras_see_less_than_there_is():
     made = Picking("dishes", cameras=1)
     seen, info = made.reset(seed=3, options={"scene": DISHES})
     slot = {name: k for k, name in enumerate(info["names"])}
@@ -135,7 +135,7 @@ def test_cameras_see_less_than_there_is() -> None:
 
 
 @pytest.mark.slow
-def test_a_lemon_finds_room_in_the_bowl_once_others_are_out_of_it() -> None:
+def test_a_lemon_finds_room_in_the_bowl_once_others_are_out_of_it():
     made = gymnasium.make("topple/Lemon-v0")
     seen, info = made.reset(seed=0, options={"scene": 8})
     slot = {name: k for k, name in enumerate(info["names"])}
@@ -149,7 +149,7 @@ def test_a_lemon_finds_room_in_the_bowl_once_others_are_out_of_it() -> None:
     made.close()
 
 
-def test_gymnasium_makes_one_without_anything_imported_before() -> None:
+def test_gymnasium_makes_one_without_anything_imported_before():
     code = (
         "import gymnasium\n"
         "made = gymnasium.make('topple.planner.environment:topple/Pile-v0')\n"
@@ -159,7 +159,7 @@ def test_gymnasium_makes_one_without_anything_imported_before() -> None:
     assert done.stdout == "topple/Pile-v0 Discrete(12)\n"
 
 
-def test_plain_names_do_where_both_are_imported() -> None:
+def test_plain_names_do_where_both_are_imported():
     for code in (
         "import gymnasium, topple; print(gymnasium.make('topple/Pile-v0').spec.id)",
         "import gymnasium; print(gymnasium.make('topple:topple/Pile-v0').spec.id)",
@@ -172,7 +172,7 @@ def test_plain_names_do_where_both_are_imported() -> None:
     assert done.stdout == "False\n"  # who does not learn does not wait
 
 
-def test_a_goal_is_judged_by_poses_and_forces_and_not_by_relations(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_goal_is_judged_by_poses_and_forces_and_not_by_relations(monkeypatch):
     made = Picking("tower", slots=4)
     _, info = made.reset(seed=0)
     slot = {name: np.int64(k) for k, name in enumerate(info["names"])}

@@ -49,7 +49,7 @@ def with_names(images: tuple[DepthImage, ...], names: Mapping[str, str]) -> list
     return [replace(i, names={k: names.get(name, name) for k, name in i.names.items()}) for i in images]
 
 
-def test_two_alike_that_stayed_are_not_mixed_up_whatever_they_are_called(world: World) -> None:
+def test_two_alike_that_stayed_are_not_mixed_up_whatever_they_are_called(world):
     """Also where the names of this look are just the wrong way round."""
     rng = np.random.default_rng(0)
     remembered = observer(world).look().scene
@@ -63,7 +63,7 @@ def test_two_alike_that_stayed_are_not_mixed_up_whatever_they_are_called(world: 
 
 
 @pytest.mark.parametrize("way", [0.02, 0.10, 0.2])
-def test_of_two_alike_the_one_that_moved_is_told_by_the_other_that_stayed(world: World, way: float) -> None:
+def test_of_two_alike_the_one_that_moved_is_told_by_the_other_that_stayed(world, way):
     eyes = observer(world)
     before = eyes.look().scene
     world.place("left", pose_at(0.0, 0.06 + way, 0.0))
@@ -73,7 +73,7 @@ def test_of_two_alike_the_one_that_moved_is_told_by_the_other_that_stayed(world:
     assert set(after.surprises) == {"left"}
 
 
-def test_what_is_expected_elsewhere_is_found_there(world: World) -> None:
+def test_what_is_expected_elsewhere_is_found_there(world):
     """The arm put it where the other one of the two stood, and that one aside."""
     eyes = observer(world)
     before = eyes.look().scene
@@ -86,7 +86,7 @@ def test_what_is_expected_elsewhere_is_found_there(world: World) -> None:
     assert middles(after.scene)["left"] == pytest.approx([0.0, -0.06], abs=0.01)
 
 
-def test_what_is_new_is_not_taken_for_what_may_be_hidden(world: World) -> None:
+def test_what_is_new_is_not_taken_for_what_may_be_hidden(world):
     eyes = observer(world)
     before = eyes.look().scene
     hidden = {"left": cloud(0.0, 0.06), "right": cloud(0.0, -0.06)}
@@ -97,14 +97,14 @@ def test_what_is_new_is_not_taken_for_what_may_be_hidden(world: World) -> None:
     assert after.surprises == {"late": "late is seen for the first time"}
 
 
-def test_what_fell_far_or_looks_unlike_is_new() -> None:
+def test_what_fell_far_or_looks_unlike_is_new():
     lost = {"left": cloud(0.0, 0.0)}
     assert matched({"a": cloud(0.5, 0.0)}, lost, gone=("left",)) == {}
     assert matched({"a": cloud(0.1, 0.0, (0.3, 0.3, 0.02))}, lost, gone=("left",)) == {}
     assert matched({}, lost, gone=("left",)) == {} == matched({"a": cloud(0.0, 0.0)}, {}, gone=())
 
 
-def test_a_new_object_does_not_take_the_name_of_one_that_is_remembered(world: World) -> None:
+def test_a_new_object_does_not_take_the_name_of_one_that_is_remembered(world):
     """One alike has come where the can was; the can is gone too far to be known again."""
     eyes = observer(world)
     before = eyes.look().scene
@@ -114,7 +114,7 @@ def test_a_new_object_does_not_take_the_name_of_one_that_is_remembered(world: Wo
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_clouds_are_matched_one_to_one_in_any_order(seed: int) -> None:
+def test_clouds_are_matched_one_to_one_in_any_order(seed):
     rng = np.random.default_rng(seed)
     places = {f"box {k}": rng.uniform(-0.4, 0.4, 2) for k in range(6)}
     remembered = {name: cloud(*place) for name, place in places.items()}

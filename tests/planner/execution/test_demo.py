@@ -16,9 +16,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-def test_what_is_printed_is_the_order_that_the_first_action_is_of(
-    folder: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_printed_is_the_order_that_the_first_action_is_of(folder, capfd):
     assert main(["demo", "lemon", "-o", str(folder)]) == 0
     printed = capfd.readouterr().out
     run = json.loads((folder / "run.json").read_text())

@@ -142,9 +142,14 @@ def planned(name: str) -> Transfer:
 
 
 @pytest.mark.parametrize(
-    ("name", "tool"), [("panda", "fingers"), ("panda-suction", "suction"), ("xarm6", "fingers")]
+    ("name", "tool"),
+    [
+        ("panda", "fingers"),
+        ("panda-suction", "suction"),
+        pytest.param("xarm6", "fingers", marks=pytest.mark.slow),
+    ],
 )
-def test_another_driver_carries_a_transfer_out(name: str, tool: str) -> None:
+def test_another_driver_carries_a_transfer_out(name, tool):
     transfer, moments = planned(name), []
     ghost = Ghost(robot(name), BASE, {"box": seen().clouds["box"].copy()})
     driver: Driver = ghost
@@ -157,7 +162,7 @@ def test_another_driver_carries_a_transfer_out(name: str, tool: str) -> None:
     assert np.abs(ghost.q_target - transfer.q_end).max() < 1e-6 and not ghost.holding
 
 
-def test_another_driver_stops_where_what_it_holds_stands() -> None:
+def test_another_driver_stops_where_what_it_holds_stands():
     """What reaches 8 mm deeper than it looked stands sooner."""
     transfer = planned("panda")
     points = seen().clouds["box"]
@@ -167,7 +172,7 @@ def test_another_driver_stops_where_what_it_holds_stands() -> None:
     assert ghost.clouds["box"][:, 2].min() == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_hand_that_closes_on_nothing_goes_back() -> None:
+def test_a_hand_that_closes_on_nothing_goes_back():
     moments: list[str] = []
     ghost = Ghost(robot("panda"), BASE, {})
     outcome = execute(planned("panda"), ghost, lambda moment, _: moments.append(moment))
@@ -189,7 +194,7 @@ class Sighted:
         return Look((), Situation(scene), None)
 
 
-def test_the_loop_reaches_a_goal_with_another_driver_other_eyes_and_no_judge() -> None:
+def test_the_loop_reaches_a_goal_with_another_driver_other_eyes_and_no_judge():
     """A block on a box: the block goes first, without a simulator anywhere in the loop."""
     on_top = np.array([0.0, 0.0, HEIGHT + 0.0005])
     block = shapes.block("block", 0.04).surface(3000, np.random.default_rng(1)) + on_top
@@ -215,7 +220,7 @@ class Missing(Ghost):
 
 
 @pytest.mark.slow
-def test_what_was_given_up_is_tried_again_once_another_thing_is_out_of_its_way() -> None:
+def test_what_was_given_up_is_tried_again_once_another_thing_is_out_of_its_way():
     beside = np.array([0.0, 0.06, 0.0])
     block = shapes.block("block", 0.04).surface(3000, np.random.default_rng(1)) + beside
     ghost = Missing(robot("panda"), BASE, {"box": seen().clouds["box"].copy(), "block": block})
@@ -240,7 +245,7 @@ class Clenched(Ghost):
         pass
 
 
-def test_a_hand_that_does_not_let_go_keeps_the_arm_where_it_is() -> None:
+def test_a_hand_that_does_not_let_go_keeps_the_arm_where_it_is():
     transfer = planned("panda")
     ghost = Clenched(robot("panda"), BASE, {"box": seen().clouds["box"].copy()})
     outcome = execute(transfer, ghost)
@@ -250,7 +255,7 @@ def test_a_hand_that_does_not_let_go_keeps_the_arm_where_it_is() -> None:
     assert np.abs(ghost.q_target - transfer.q_end).max() > 1e-3, "it did not back out with the box in hand"
 
 
-def test_a_run_whose_hand_does_not_let_go_ends_and_says_so() -> None:
+def test_a_run_whose_hand_does_not_let_go_ends_and_says_so():
     ghost = Clenched(robot("panda"), BASE, {"box": seen().clouds["box"].copy()})
     record = ClosedLoop(ghost, Sighted(ghost), "free box").run()
     assert record.stopped == "arm"
@@ -258,7 +263,7 @@ def test_a_run_whose_hand_does_not_let_go_ends_and_says_so() -> None:
     assert any("does not open" in text for text in record.violations)
 
 
-def test_a_hand_that_does_not_open_goes_nowhere() -> None:
+def test_a_hand_that_does_not_open_goes_nowhere():
     ghost = Clenched(robot("panda"), BASE, {"box": seen().clouds["box"].copy()})
     ghost.tool_state = ToolState(0.0)
     outcome = execute(planned("panda"), ghost)
@@ -282,7 +287,7 @@ class Jostled(Ghost):
         return super().follow(trajectory, keep_offset=keep_offset)
 
 
-def test_an_arm_that_is_pushed_comes_back_to_its_path_and_says_so() -> None:
+def test_an_arm_that_is_pushed_comes_back_to_its_path_and_says_so():
     ghost = Jostled(robot("panda"), BASE, {"box": seen().clouds["box"].copy()}, pushes=2)
     outcome = execute(planned("panda"), ghost)
     assert outcome.success, outcome.text
@@ -290,7 +295,7 @@ def test_an_arm_that_is_pushed_comes_back_to_its_path_and_says_so() -> None:
     assert ghost.joined == 2
 
 
-def test_an_arm_that_is_held_up_again_and_again_gives_up() -> None:
+def test_an_arm_that_is_held_up_again_and_again_gives_up():
     ghost = Jostled(robot("panda"), BASE, {"box": seen().clouds["box"].copy()}, pushes=100)
     outcome = execute(planned("panda"), ghost)
     assert not outcome.success

@@ -1,7 +1,5 @@
 """The same decisions in a world on MuJoCo: to the goal, judged by true poses and forces."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from on_table import on_table
@@ -20,7 +18,7 @@ from topple.robots.shapes import plate
 
 
 @pytest.mark.slow
-def test_a_tower_is_built_on_mujoco() -> None:
+def test_a_tower_is_built_on_mujoco():
     with scenario("tower", 0, "mujoco") as stage:
         assert isinstance(stage.world, MujocoWorld)
         loop = loop_in(stage)
@@ -42,7 +40,7 @@ def test_a_tower_is_built_on_mujoco() -> None:
 
 
 @pytest.mark.slow
-def test_a_scene_is_rebuilt_and_cleared_on_mujoco() -> None:
+def test_a_scene_is_rebuilt_and_cleared_on_mujoco():
     arm = robot("panda")
     tried = trial(arm, "fingers")
     assert tried is not None
@@ -51,14 +49,12 @@ def test_a_scene_is_rebuilt_and_cleared_on_mujoco() -> None:
 
 
 @pytest.mark.slow
-def test_a_plate_is_lifted_by_a_cup_on_mujoco() -> None:
+def test_a_plate_is_lifted_by_a_cup_on_mujoco():
     record = run(on_table((plate("plate"), (0, 0, 0))), ["plate"], "panda-suction", engine="mujoco")
     assert record.success, record.violations
 
 
-def test_what_mujoco_does_not_play_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_mujoco_does_not_play_is_refused_in_one_line(tmp_path, capsys):
     play = ["demo", "hold", "--seed", "0", "--engine", "mujoco", "-o", str(tmp_path / "out")]
     assert main(play) == 2
     said = [line for line in capsys.readouterr().err.splitlines() if line.startswith("topple: ")]

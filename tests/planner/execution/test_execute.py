@@ -31,7 +31,7 @@ def _on_table(body: Body) -> Scene:
     return Scene({body.name: points, "table": table(0.6)}, fixed=["table"], up=(0, 0, 1))
 
 
-def test_a_cup_that_meets_the_object_early_is_not_pressed_on() -> None:
+def test_a_cup_that_meets_the_object_early_is_not_pressed_on():
     hand = robot("panda-suction")
     with World() as world:
         world.add_table(size=(1.4, 1.2))
@@ -45,7 +45,7 @@ def test_a_cup_that_meets_the_object_early_is_not_pressed_on() -> None:
         assert outcome.success, outcome.text
 
 
-def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
+def test_fingers_that_meet_the_object_stop_and_go_back():
     with World() as world:
         world.add_table(size=(1.4, 1.2))
         world.add(shapes.box("box", (0.05, 0.05, 0.12), mass=0.2), pose_at(0.0, 0.0, 0.0))
@@ -73,7 +73,7 @@ def _start(transfer: Transfer, number: int) -> FloatArray:
     return trajectory.positions[0]
 
 
-def test_in_a_vessel_the_hand_opens_no_wider_than_letting_go_takes() -> None:
+def test_in_a_vessel_the_hand_opens_no_wider_than_letting_go_takes():
     bodies = {
         "cube": (shapes.box("cube", (0.04, 0.04, 0.06), mass=0.1), pose_at(0.0, -0.25, 0.0)),
         "tray": (shapes.box("tray", (0.3, 0.2, 0.01)), pose_at(0.0, 0.1, 0.0)),

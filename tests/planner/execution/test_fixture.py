@@ -1,7 +1,5 @@
 """Runs with a fixture: it keeps a thing still while others go, and lets go once the hand holds it."""
 
-from pathlib import Path
-
 import pytest
 from on_table import balance
 
@@ -11,7 +9,7 @@ from topple.planner.planning.plan_format import plan_from_json
 
 
 @pytest.mark.slow
-def test_one_arm_takes_a_plank_off_that_would_tip(tmp_path: Path) -> None:
+def test_one_arm_takes_a_plank_off_that_would_tip(tmp_path):
     record = demo("hold", seed=5, clamped=["plank"], folder=tmp_path)
     assert record.success, record.violations
     assert [step.object for step in record.steps] == ["weight", "load", "plank"]
@@ -22,7 +20,7 @@ def test_one_arm_takes_a_plank_off_that_would_tip(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_without_it_the_plank_tips() -> None:
+def test_without_it_the_plank_tips():
     record = run(balance(), "free plank", "panda")
     assert any(text.startswith("weight: plank fell") for text in record.violations)
     kept = run(balance(), "free plank", "panda", clamped="plank")
@@ -31,7 +29,7 @@ def test_without_it_the_plank_tips() -> None:
 
 
 @pytest.mark.slow
-def test_mujoco_has_fixtures_as_well() -> None:
+def test_mujoco_has_fixtures_as_well():
     pytest.importorskip("mujoco")
     kept = run(balance(), "free plank", "panda", clamped="plank", engine="mujoco")
     assert not any(text.startswith("weight:") for text in kept.violations), kept.violations

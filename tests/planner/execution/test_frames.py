@@ -43,23 +43,23 @@ def take(world: World, *eyes: Eye, looks: int = 2, changed: bool = True) -> tupl
         (Millimetres(camera(0.6)), "camera 1 is left out: depth reaches"),
     ],
 )
-def test_one_that_goes_wrong_is_left_out_and_named(world: World, spoilt: Eye, said: str) -> None:
+def test_one_that_goes_wrong_is_left_out_and_named(world, spoilt, said):
     left, (text,) = take(world, spoilt, camera(-0.6))
     assert left == 1
     assert text.startswith(said)
 
 
-def test_cameras_that_do_not_go_wrong_are_all_taken(world: World) -> None:
+def test_cameras_that_do_not_go_wrong_are_all_taken(world):
     assert take(world, camera(0.6), camera(-0.6)) == (2, ())
 
 
-def test_without_any_that_delivers_it_is_said_why(world: World) -> None:
+def test_without_any_that_delivers_it_is_said_why(world):
     with pytest.raises(InvalidInput, match=r"none of 1 cameras .*camera 1 delivers nothing"):
         take(world, Dark(camera(0.6)))
     with pytest.raises(InvalidInput, match="camera 1 delivers an old frame"):
         take(world, Late(camera(0.6), 1))
 
 
-def test_cameras_without_noise_may_see_the_same_again_where_nothing_was_moved(world: World) -> None:
+def test_cameras_without_noise_may_see_the_same_again_where_nothing_was_moved(world):
     exact = camera(0.6, Noise.none()), camera(-0.6, Noise.none())
     assert take(world, *exact, changed=False) == (2, ())

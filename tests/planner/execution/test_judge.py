@@ -18,7 +18,7 @@ from topple.topology.scene.scene import Scene
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def test_a_turn_about_the_vertical_is_no_tilt_and_a_fall_is() -> None:
+def test_a_turn_about_the_vertical_is_no_tilt_and_a_fall_is():
     turned, fallen = np.eye(4), np.eye(4)
     turned[:2, :2] = [[0, -1], [1, 0]]
     fallen[1:3, 1:3] = [[0, -1], [1, 0]]
@@ -27,7 +27,7 @@ def test_a_turn_about_the_vertical_is_no_tilt_and_a_fall_is() -> None:
     assert found == {"a": pytest.approx(0.0), "b": pytest.approx(np.pi / 2)}
 
 
-def test_a_goal_holds_only_where_the_true_poses_say_so() -> None:
+def test_a_goal_holds_only_where_the_true_poses_say_so():
     with World() as world:
         world.add_table()
         world.add(shapes.block("blue"), pose_at(0.0, 0.0, 0.0))
@@ -43,7 +43,7 @@ def test_a_goal_holds_only_where_the_true_poses_say_so() -> None:
         assert truly_unmet(parse_goal("green on blue", scene), world, UP) == ("green is not on blue",)
 
 
-def test_what_is_in_a_hollow_or_under_a_load_is_told_from_poses_and_forces() -> None:
+def test_what_is_in_a_hollow_or_under_a_load_is_told_from_poses_and_forces():
     with World() as world:
         world.add_table()
         world.add(shapes.bowl("bowl"), pose_at(0.0, 0.0, 0.0))
@@ -62,7 +62,7 @@ def test_what_is_in_a_hollow_or_under_a_load_is_told_from_poses_and_forces() -> 
         assert unmet("free ball") == ()
 
 
-def test_what_creeps_from_action_to_action_counts_and_so_does_what_a_failed_attempt_does() -> None:
+def test_what_creeps_from_action_to_action_counts_and_so_does_what_a_failed_attempt_does():
     with World() as world:
         world.add_table()
         world.add(shapes.block("one"), pose_at(0.3, 0.0, 0.0))

@@ -52,20 +52,20 @@ def lifted(world: World, name: str) -> tuple[Outcome, dict[str, float]]:
     return outcome, {other: float(np.linalg.norm((now[other] - before[other])[:3, 3])) for other in now}
 
 
-def test_what_a_lift_moves_is_seen_at_once_and_the_object_is_put_back(bridged: World) -> None:
+def test_what_a_lift_moves_is_seen_at_once_and_the_object_is_put_back(bridged):
     outcome, moved = lifted(bridged, "near")
     assert not outcome.success and set(outcome.moved) == {"plank"}
     assert outcome.text.startswith("near was put back: lifting it moved plank by ")
     assert moved["plank"] < 0.005 and moved["near"] < 0.005 and moved["far"] < 0.001
 
 
-def test_a_lift_that_moves_nothing_is_not_stopped(bridged: World) -> None:
+def test_a_lift_that_moves_nothing_is_not_stopped(bridged):
     outcome, moved = lifted(bridged, "aside")
     assert outcome.success and not outcome.moved, outcome.text
     assert moved["aside"] > 0.05 and max(moved["near"], moved["plank"]) < 0.001
 
 
-def test_what_is_near_and_could_go_first_is_worth_watching(bridged: World) -> None:
+def test_what_is_near_and_could_go_first_is_worth_watching(bridged):
     look = Observer(bridged, [EYE], np.random.default_rng(0), ("table",)).look()
     found = order(look.situation, ["near", "far"])
     assert neighbours_to_watch(look.situation, found, "near") == {"plank"}
@@ -73,7 +73,7 @@ def test_what_is_near_and_could_go_first_is_worth_watching(bridged: World) -> No
     assert neighbours_to_watch(look.situation, found, "aside") == set()
 
 
-def test_what_moves_is_seen_in_a_picture_and_noise_is_not(bridged: World) -> None:
+def test_what_moves_is_seen_in_a_picture_and_noise_is_not(bridged):
     observer = Observer(bridged, [EYE], np.random.default_rng(0), ("table",))
     look = observer.look()
     detector = ChangeDetector(look.images, observer, (), {"aside", "plank"})
@@ -88,7 +88,7 @@ def test_what_moves_is_seen_in_a_picture_and_noise_is_not(bridged: World) -> Non
     assert detector.moved.keys() == {"aside"} and 0.005 < detector.moved["aside"] < 0.02
 
 
-def test_the_shadow_of_a_part_is_what_it_hides(bridged: World) -> None:
+def test_the_shadow_of_a_part_is_what_it_hides(bridged):
     image = EYE.look(bridged)
     part = np.array([[x, y, z] for x in (-0.025, 0.025) for y in (-0.025, 0.025) for z in (0.0, 0.08)])
     hidden = shadow(image, [part])

@@ -35,7 +35,7 @@ def observer(world: World, *cameras: Camera) -> Observer:
     return Observer(world, cameras or (front,), np.random.default_rng(0), ("table",))
 
 
-def test_strays_are_dropped_and_tables_thinned(world: World) -> None:
+def test_strays_are_dropped_and_tables_thinned(world):
     scene = observer(world).look().scene
     can = scene.clouds["can"]
     assert (
@@ -44,12 +44,12 @@ def test_strays_are_dropped_and_tables_thinned(world: World) -> None:
     assert len(scene.clouds["table"]) < 60_000
 
 
-def test_what_stays_in_place_is_no_surprise(world: World) -> None:
+def test_what_stays_in_place_is_no_surprise(world):
     eyes = observer(world)
     assert eyes.look(eyes.look().scene).surprises == {}
 
 
-def test_what_moved_and_what_is_new_is_said(world: World) -> None:
+def test_what_moved_and_what_is_new_is_said(world):
     eyes = observer(world)
     before = eyes.look().scene
     world.place("block", pose_at(0.03, 0.2, 0.0))
@@ -59,7 +59,7 @@ def test_what_moved_and_what_is_new_is_said(world: World) -> None:
     assert said["late"] == "late is seen for the first time" and said["block"].startswith("block is ")
 
 
-def test_what_is_hidden_is_remembered_and_what_is_gone_is_not(world: World) -> None:
+def test_what_is_hidden_is_remembered_and_what_is_gone_is_not(world):
     eyes = observer(world)
     before = eyes.look().scene
     world.add(shapes.box("screen", (0.02, 0.2, 0.2)), pose_at(0.2, 0.2, 0.0))
@@ -73,14 +73,14 @@ def test_what_is_hidden_is_remembered_and_what_is_gone_is_not(world: World) -> N
     assert gone.surprises["block"] == "block is not where it should be, and seen nowhere"
 
 
-def test_a_blind_camera_does_no_harm_and_blind_cameras_are_refused(world: World) -> None:
+def test_a_blind_camera_does_no_harm_and_blind_cameras_are_refused(world):
     seeing = observer(world).cameras[0]
     assert set(observer(world, AWAY, seeing).look().scene.names) == {"table", "can", "block"}
     with pytest.raises(InvalidInput, match="none of 1 cameras sees anything"):
         observer(world, AWAY).look()
 
 
-def test_what_was_weighed_stays_so_when_it_is_seen_anew(world: World) -> None:
+def test_what_was_weighed_stays_so_when_it_is_seen_anew(world):
     front = Camera.looking_at((0.7, 0.0, 0.3), (0.0, 0.0, 0.05))
     masses, friction = {"can": 0.4, "late": 1.5}, {"table": 0.6, "can": 0.3}
     rng = np.random.default_rng(0)
@@ -105,7 +105,7 @@ def walled(world: World) -> World:
     return world
 
 
-def test_a_wall_without_a_mask_is_matter_in_every_look(walled: World) -> None:
+def test_a_wall_without_a_mask_is_matter_in_every_look(walled):
     eyes = replace(observer(walled), robots=[])
     first = eyes.look().scene
     second = eyes.look(first)
@@ -116,8 +116,11 @@ def test_a_wall_without_a_mask_is_matter_in_every_look(walled: World) -> None:
         assert MATTER in Situation(scene).solids
 
 
-@pytest.mark.parametrize("name", ["panda", "panda-suction", "iiwa", "xarm6"])
-def test_an_arm_in_the_picture_is_no_matter_wherever_it_stands(world: World, name: str) -> None:
+OTHERS = (pytest.param(name, marks=pytest.mark.slow) for name in ("panda-suction", "iiwa", "xarm6"))
+
+
+@pytest.mark.parametrize("name", ["panda", *OTHERS])
+def test_an_arm_in_the_picture_is_no_matter_wherever_it_stands(world, name):
     arm = SimulatedArm(world, robot(name), pose_at(-0.45, 0.0, 0.0))
     cameras = around((0.0, 0.1, 0.03))
     untold, eyes = (replace(observer(world, *cameras), robots=robots) for robots in ([], [arm]))
@@ -130,7 +133,7 @@ def test_an_arm_in_the_picture_is_no_matter_wherever_it_stands(world: World, nam
     assert len(eyes.look().scene.matter) == 0
 
 
-def test_masks_that_are_off_make_no_matter_of_objects(world: World) -> None:
+def test_masks_that_are_off_make_no_matter_of_objects(world):
     cameras = [camera.with_mask_noise(2.0) for camera in around((0.0, 0.1, 0.03))]
     eyes = replace(observer(world, *cameras), robots=[])
     assert len(eyes.look(eyes.look().scene).scene.matter) == 0

@@ -14,14 +14,14 @@ TALL, FLAT = box("tall", (0.05, 0.06, 0.12)), box("flat", (0.12, 0.10, 0.04))
 BEFORE = on_table((TALL, (0.0, 0.0, 0.0)), (FLAT, (0.0, 0.2, 0.0)))
 
 
-def test_two_that_have_each_others_names_get_their_own_back() -> None:
+def test_two_that_have_each_others_names_get_their_own_back():
     tall, flat = BEFORE.clouds["tall"], BEFORE.clouds["flat"]
     names, said = misnamed(BEFORE.with_cloud("tall", flat).with_cloud("flat", tall), BEFORE)
     assert names == {"tall": "flat", "flat": "tall"}
     assert said["flat"] == "the mask of flat was named tall: names are swapped"
 
 
-def test_things_that_moved_keep_their_names() -> None:
+def test_things_that_moved_keep_their_names():
     for way in ([0.0, 0.2, 0.0], [0.05, 0.03, 0.0]):
         after = BEFORE
         for name in BEFORE.movable:
@@ -29,7 +29,7 @@ def test_things_that_moved_keep_their_names() -> None:
         assert misnamed(after, BEFORE) == ({}, {})
 
 
-def test_a_piece_of_a_mask_belongs_to_the_whole() -> None:
+def test_a_piece_of_a_mask_belongs_to_the_whole():
     cloud = BEFORE.clouds["flat"]
     right = cloud[:, 0] > 0.01
     after = BEFORE.with_cloud("flat", cloud[~right]).with_cloud("flat_piece", cloud[right])
@@ -38,7 +38,7 @@ def test_a_piece_of_a_mask_belongs_to_the_whole() -> None:
     assert said == {"flat": "the mask of flat is split: flat_piece is a piece of it"}
 
 
-def test_a_piece_with_a_top_that_was_hidden_belongs_to_the_whole() -> None:
+def test_a_piece_with_a_top_that_was_hidden_belongs_to_the_whole():
     cloud = BEFORE.clouds["flat"][BEFORE.clouds["flat"][:, 2] > 0.002]  # nobody sees what it stands on
     under = (np.abs(cloud[:, :2] - [0.0, 0.2]) < [0.058, 0.048]).all(axis=1) & (cloud[:, 2] > 0.039)
     before = BEFORE.with_cloud("flat", cloud[~under])  # something stood there
@@ -47,7 +47,7 @@ def test_a_piece_with_a_top_that_was_hidden_belongs_to_the_whole() -> None:
     assert misnamed(after, before)[0] == {"flat_piece": "flat"}
 
 
-def test_what_comes_to_light_in_a_bowl_or_flat_under_what_was_taken_is_no_piece() -> None:
+def test_what_comes_to_light_in_a_bowl_or_flat_under_what_was_taken_is_no_piece():
     vessel = bowl("bowl").surface(4000, np.random.default_rng(1))
     fruit = lemon("lemon").surface(2000, np.random.default_rng(2)) + np.array([0.0, 0.0, 0.012])
     before = Scene({"bowl": vessel, "table": BEFORE.clouds["table"]}, fixed=["table"], up=[0, 0, 1])
@@ -65,7 +65,7 @@ def test_what_comes_to_light_in_a_bowl_or_flat_under_what_was_taken_is_no_piece(
     assert misnamed(before.with_cloud("card", card), before) == ({}, {})
 
 
-def test_a_thing_that_comes_to_light_is_no_piece() -> None:
+def test_a_thing_that_comes_to_light_is_no_piece():
     late = box("late", (0.08, 0.06, 0.01)).surface(2000, np.random.default_rng(5))
     beside, on_top = np.array([0.15, 0.0, 0.0]), np.array([0.0, 0.2, 0.04])
     for place in (beside, on_top):
@@ -79,7 +79,7 @@ def test_a_thing_that_comes_to_light_is_no_piece() -> None:
             assert misnamed(after, BEFORE) == ({}, {})
 
 
-def test_masks_that_come_to_share_a_name_are_one() -> None:
+def test_masks_that_come_to_share_a_name_are_one():
     label, K = np.array([[1, 1, 2, 3]]), np.array([[4.0, 0.0, 1.5], [0.0, 4.0, 0.0], [0.0, 0.0, 1.0]])
     image = DepthImage(np.ones((1, 4)), K, label, names={1: "a", 2: "b", 3: "c"})
     joined = renamed(image, {"b": "a", "c": "b"})
@@ -87,6 +87,6 @@ def test_masks_that_come_to_share_a_name_are_one() -> None:
     assert joined.label.tolist() == [[1, 1, 1, 3]]
 
 
-def test_the_same_scene_is_named_as_it_was() -> None:
+def test_the_same_scene_is_named_as_it_was():
     scene: Scene = BEFORE
     assert misnamed(scene, scene) == ({}, {})

@@ -32,7 +32,7 @@ def context(memory: Memory, most: int = 3) -> Context:
     return memory.context(Context(STATION, orderer=cautious), most)
 
 
-def test_the_grasp_by_which_a_thing_was_put_down_goes_with_it() -> None:
+def test_the_grasp_by_which_a_thing_was_put_down_goes_with_it():
     memory = Memory().after_action(step(Action.PLACE), True)
     (grasp,) = context(memory).placed["mug"]
     assert np.allclose(grasp.pose_tool_to_world[:3, 3], [0.13, 0.0, 0.08])
@@ -40,13 +40,13 @@ def test_the_grasp_by_which_a_thing_was_put_down_goes_with_it() -> None:
     assert np.allclose([first.pose_tool_to_world[0, 3], second.pose_tool_to_world[0, 3]], [0.03, -0.07])
 
 
-def test_nothing_is_known_of_how_it_lies_once_it_made_room() -> None:
+def test_nothing_is_known_of_how_it_lies_once_it_made_room():
     memory = Memory().after_action(step(Action.PLACE), True).after_action(step(Action.PLACE, "can"), True)
     assert set(context(memory.after_action(step(Action.REMOVE), True)).placed) == {"can"}
 
 
 @pytest.mark.parametrize(("success", "tries"), [(False, 3), (True, 6)])
-def test_what_was_put_down_may_be_tried_twice_as_often_as_what_failed(success: bool, tries: int) -> None:
+def test_what_was_put_down_may_be_tried_twice_as_often_as_what_failed(success, tries):
     memory = Memory()
     for count in range(1, tries + 1):
         memory = memory.after_action(step(Action.PLACE), success)
@@ -54,7 +54,7 @@ def test_what_was_put_down_may_be_tried_twice_as_often_as_what_failed(success: b
         assert memory.failures("mug") == (0 if success else count)
 
 
-def test_what_moved_as_a_thing_was_lifted_is_remembered_until_one_of_the_two_is_taken() -> None:
+def test_what_moved_as_a_thing_was_lifted_is_remembered_until_one_of_the_two_is_taken():
     stopped = Memory().after_action(step(Action.REMOVE), False, True)
     memory = stopped.after_look(step(Action.REMOVE), False, moved=["can"])
     assert context(memory).beliefs == Beliefs(measured=frozenset([("can", "mug")]))

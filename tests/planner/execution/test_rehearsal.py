@@ -15,7 +15,7 @@ from topple.topology.scene.scene import Scene
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 2.0, np.pi])
-def test_things_stand_to_the_given_base_as_in_the_scene(angle: float) -> None:
+def test_things_stand_to_the_given_base_as_in_the_scene(angle):
     scene = on_table(
         (box("a", (0.05, 0.05, 0.05)), (0.1, 0.0, 0.0)),
         (box("b", (0.05, 0.05, 0.09)), (-0.05, 0.2, 0.0)),
@@ -35,7 +35,7 @@ def test_things_stand_to_the_given_base_as_in_the_scene(angle: float) -> None:
             assert np.linalg.norm((corners.mean(axis=0) - there[:3])[:2]) < 0.02
 
 
-def test_matter_is_rebuilt_and_the_cameras_see_no_object_in_it() -> None:
+def test_matter_is_rebuilt_and_the_cameras_see_no_object_in_it():
     scene = on_table((box("a", (0.05, 0.05, 0.05)), (0.1, 0.0, 0.0)), x=0.1)
     wall = np.stack(np.meshgrid(-0.15, np.arange(-0.3, 0.3, 0.01), np.arange(0.02, 0.4, 0.01)), axis=-1)
     behind = Scene(

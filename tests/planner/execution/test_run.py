@@ -50,7 +50,7 @@ def record(tower: Scene) -> RunRecord:
 
 
 @pytest.mark.slow
-def test_what_stands_on_the_target_goes_first_and_nothing_else_is_touched(record: RunRecord) -> None:
+def test_what_stands_on_the_target_goes_first_and_nothing_else_is_touched(record):
     assert record.success, record.violations
     done = [(step.object, step.action) for step in record.steps if step.success]  # fingers may miss once
     assert done == [("top", "remove"), ("base", "free")]
@@ -59,7 +59,7 @@ def test_what_stands_on_the_target_goes_first_and_nothing_else_is_touched(record
 
 
 @pytest.mark.slow
-def test_a_run_is_told_in_the_contracts_words(record: RunRecord) -> None:
+def test_a_run_is_told_in_the_contracts_words(record):
     told = record.to_json()
     assert told["format"] == "topple.run" and told["format_version"] == 1 and told["success"] is True
     assert {
@@ -74,14 +74,14 @@ def test_a_run_is_told_in_the_contracts_words(record: RunRecord) -> None:
     assert any("base stands at" in note for note in record.notes)
 
 
-def test_unknown_targets_and_scenes_without_a_table_are_refused(tower: Scene) -> None:
+def test_unknown_targets_and_scenes_without_a_table_are_refused(tower):
     with pytest.raises(UnknownObject, match="'plate'"):
         run(tower, ["plate"], "panda")
     with pytest.raises(InvalidInput, match="fixed=NAME"):
         run(Scene({"a": tower.clouds["aside"]}, up=[0, 0, 1]), ["a"], "panda")
 
 
-def test_a_target_no_camera_sees_is_refused() -> None:
+def test_a_target_no_camera_sees_is_refused():
     with World() as world:
         world.add_table()
         pose = np.eye(4)
@@ -95,7 +95,7 @@ def test_a_target_no_camera_sees_is_refused() -> None:
             ClosedLoop.simulated(world, arm, [away], "free can").run()
 
 
-def test_a_step_is_judged_by_what_moved_fell_or_was_hit() -> None:
+def test_a_step_is_judged_by_what_moved_fell_or_was_hit():
     still, moved, fallen = (np.eye(4) for _ in range(3))
     moved[0, 3], fallen[:3, 3] = 0.02, (0.02, 0.0, -0.1)
     before = {"a": still, "b": still, "c": still, "held": still}
@@ -105,7 +105,7 @@ def test_a_step_is_judged_by_what_moved_fell_or_was_hit() -> None:
     assert "b moved 20 mm" in found[0] and "c fell by 10 cm" in found[1] and "a was hit by hand" in found[2]
 
 
-def test_nothing_in_the_loop_places_objects_or_switches_collisions_off() -> None:
+def test_nothing_in_the_loop_places_objects_or_switches_collisions_off():
     import topple.planner.execution.execute
     import topple.robots.world.simulated_arm
     import topple.robots.world.vacuum

@@ -33,7 +33,7 @@ def loop(stage: World) -> ClosedLoop:
     return ClosedLoop.simulated(stage, arm, [eye], "free low", wrist_camera=True)
 
 
-def test_the_picture_is_of_the_hidden_side_and_the_arm_is_back_home(loop: ClosedLoop) -> None:
+def test_the_picture_is_of_the_hidden_side_and_the_arm_is_back_home(loop):
     first = loop.look()
     order = cautious(first.situation, ["low"])
     assert loop.wrist is not None
@@ -49,14 +49,14 @@ def test_the_picture_is_of_the_hidden_side_and_the_arm_is_back_home(loop: Closed
     assert len(again.scene.viewpoints) == 2
 
 
-def test_a_step_is_doubtful_by_its_risk(loop: ClosedLoop) -> None:
+def test_a_step_is_doubtful_by_its_risk(loop):
     order = cautious(loop.look().situation, ["low"])
     risky = [name for name, risk in order.risk.items() if risk > 0.1]
     assert [name for name in order.order if doubtful(order, name)] == [n for n in order.order if n in risky]
     assert not doubtful(order, "somebody else")
 
 
-def test_what_it_showed_counts_until_it_is_moved(loop: ClosedLoop) -> None:
+def test_what_it_showed_counts_until_it_is_moved(loop):
     first = loop.look()
     assert loop.wrist is not None
     taken = second_look(loop.wrist, loop.robot, first.situation, cautious(first.situation, ["low"]), seed=0)

@@ -41,7 +41,7 @@ def look(arm: SimulatedArm, *cameras: Camera) -> Look:
     return Observer(arm.world, cameras, np.random.default_rng(0), ("table",)).look()
 
 
-def test_three_centimetres_aside_are_seen_and_none_are_not(arm: SimulatedArm) -> None:
+def test_three_centimetres_aside_are_seen_and_none_are_not(arm):
     for cameras in (around((0.0, 0.0, 0.03)), around((0.0, 0.0, 0.03))[:1]):
         seen, aside = look(arm, *cameras), Aside(arm, np.random.default_rng(0))
         assert misplaced(arm, seen.images, seen.scene) is None
@@ -50,7 +50,7 @@ def test_three_centimetres_aside_are_seen_and_none_are_not(arm: SimulatedArm) ->
             assert "from where it should be" in str(misplaced(aside, seen.images, seen.scene))
 
 
-def test_without_a_camera_that_shows_the_arm_nothing_is_said(arm: SimulatedArm) -> None:
+def test_without_a_camera_that_shows_the_arm_nothing_is_said(arm):
     above = Camera.looking_at((0.15, 0.0, 0.3), (0.15, 0.0, 0.0), view=0.5)
     seen, aside = look(arm, above), Aside(arm, np.random.default_rng(0))
     aside.way = np.array([0.03, 0.0, 0.0])

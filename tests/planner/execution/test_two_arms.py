@@ -1,7 +1,6 @@
 """Two arms in one world: what one holds counts as well, and what two cannot do is refused."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,7 +29,7 @@ BLOCK = Scene(
 )
 
 
-def test_what_is_held_may_be_touched_by_the_hand_that_holds_it_and_may_not_move() -> None:
+def test_what_is_held_may_be_touched_by_the_hand_that_holds_it_and_may_not_move():
     with World() as world:
         world.add_table()
         world.add(shapes.block("taken"), pose_at(0.1, 0.0, 0.0))
@@ -57,7 +56,7 @@ def test_what_is_held_may_be_touched_by_the_hand_that_holds_it_and_may_not_move(
         assert first.on_step is second.on_step and first.on_step == []
 
 
-def test_one_arm_keeps_its_place_while_the_other_acts_and_what_it_touches_is_noted() -> None:
+def test_one_arm_keeps_its_place_while_the_other_acts_and_what_it_touches_is_noted():
     with World() as world:
         world.add_table()
         first = SimulatedArm(world, robot_named("panda"), pose_at(-0.5, 0.0, 0.0))
@@ -70,7 +69,7 @@ def test_one_arm_keeps_its_place_while_the_other_acts_and_what_it_touches_is_not
         assert "block" in second.touched and first.touched == {}
 
 
-def test_what_two_arms_cannot_do_is_refused_in_a_line() -> None:
+def test_what_two_arms_cannot_do_is_refused_in_a_line():
     with scenario("hold", 1) as stage:
         with pytest.raises(InvalidInput, match="leave out the other arm"):
             loop_in(stage, wrist_camera=True)
@@ -79,7 +78,7 @@ def test_what_two_arms_cannot_do_is_refused_in_a_line() -> None:
         check_second(replace(cup, tools={SUCTION: cup.tools[SUCTION]}))
 
 
-def test_two_arms_take_a_world_on_bullet() -> None:
+def test_two_arms_take_a_world_on_bullet():
     pytest.importorskip("mujoco")
     from topple.robots.mujoco.world import MujocoWorld
 
@@ -90,7 +89,7 @@ def test_two_arms_take_a_world_on_bullet() -> None:
             arm_in(other, arm, pose_at(1.0, 0.0, 0.0), first)
 
 
-def test_an_orderer_is_told_of_the_second_arm_and_of_no_second_hand_otherwise() -> None:
+def test_an_orderer_is_told_of_the_second_arm_and_of_no_second_hand_otherwise():
     told: list[dict[str, object]] = []
 
     def orderer(situation: object, targets: object, /, **asked: object) -> Order:
@@ -106,7 +105,7 @@ def test_an_orderer_is_told_of_the_second_arm_and_of_no_second_hand_otherwise() 
 
 
 @pytest.mark.slow
-def test_what_leans_on_each_other_comes_apart_by_two_arms(tmp_path: Path) -> None:
+def test_what_leans_on_each_other_comes_apart_by_two_arms(tmp_path):
     record = demo("hold", folder=tmp_path)
     assert record.success, record.violations
     held = [step for step in record.steps if "the other arm holds" in step.reason]

@@ -2,7 +2,6 @@
 
 import io
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,7 +28,7 @@ def scene() -> Scene:
     )
 
 
-def test_the_facts_are_those_of_the_scene(scene: Scene) -> None:
+def test_the_facts_are_those_of_the_scene(scene):
     _, problem = scene_pddl(order(scene).to_json())
     init = problem[problem.index("(:init") : problem.index("(:goal")]
     for fact in ("(on o-block o-box)", "(in o-ball o-bowl-1)", "(before o-block o-box)", "(clear o-ball)"):
@@ -38,13 +37,13 @@ def test_the_facts_are_those_of_the_scene(scene: Scene) -> None:
     assert init.count("(before ") == 2
 
 
-def test_another_planner_finds_the_safe_order(scene: Scene) -> None:
+def test_another_planner_finds_the_safe_order(scene):
     steps = solved(*scene_pddl(order(scene, "Bowl 1").to_json()))
     assert [step for step in steps if step.startswith("take")] == ["take(o-ball)", "take(o-bowl-1)"]
     assert steps[-1] == "put-aside(o-bowl-1)"
 
 
-def test_another_goal_is_reached_over_what_is_in_the_way(scene: Scene) -> None:
+def test_another_goal_is_reached_over_what_is_in_the_way(scene):
     domain, problem = scene_pddl(order(scene, "box").to_json())
     goal = problem.replace("(aside o-box)", "(in o-box o-bowl-1) (on o-ball o-block)")
     steps = solved(domain, goal)
@@ -53,12 +52,9 @@ def test_another_goal_is_reached_over_what_is_in_the_way(scene: Scene) -> None:
     assert "put-on(o-ball, o-block)" in steps
 
 
-def test_the_command_exports_the_order_it_printed(
-    scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_exports_the_order_it_printed(scene, tmp_path, capsys, typed, monkeypatch):
     np.savez(tmp_path / "scene.npz", **scene.clouds, fixed=["table"], up=[0, 0, 1])
-    assert main(["order", str(tmp_path / "scene.npz"), "--target", "box", "--json"]) == 0
-    printed = capsys.readouterr().out
+    printed = typed("order", tmp_path / "scene.npz", "--target", "box", "--json").out
     assert main(["export", "nowhere.json", "--to", "pddl"]) == 2
     capsys.readouterr()
     (tmp_path / "order.json").write_text(printed)
@@ -67,10 +63,9 @@ def test_the_command_exports_the_order_it_printed(
     assert made == scene_pddl(json.loads(printed))
     capsys.readouterr()
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(printed.encode())))
-    assert main(["export", "-", "--to", "pddl"]) == 0
-    assert capsys.readouterr().out.strip() == "\n;; problem\n".join(made).strip()
+    assert typed("export", "-", "--to", "pddl").out.strip() == "\n;; problem\n".join(made).strip()
 
 
-def test_what_is_no_order_is_refused() -> None:
+def test_what_is_no_order_is_refused():
     with pytest.raises(InvalidInput, match="this is no order"):
         scene_pddl({"format": "topple.order", "dependencies": [{"first": "a"}]})

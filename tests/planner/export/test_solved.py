@@ -22,7 +22,7 @@ def planned(*steps: Step) -> tuple[str, str]:
     return domain_and_problem(plan)
 
 
-def test_another_planner_takes_things_in_the_safe_order() -> None:
+def test_another_planner_takes_things_in_the_safe_order():
     steps = [
         handled("fork", "remove", []),
         handled("Can 1", "remove", []),
@@ -37,5 +37,5 @@ def test_another_planner_takes_things_in_the_safe_order() -> None:
     assert actions[-1] == "put-o-plate"
 
 
-def test_what_needs_nothing_first_is_taken_alone() -> None:
+def test_what_needs_nothing_first_is_taken_alone():
     assert solved(*planned(handled("plate", "free", []))) == ["take-o-plate", "put-o-plate"]

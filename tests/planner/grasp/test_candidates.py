@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import table
 
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.jaw import hand_shape
@@ -23,21 +24,15 @@ def seen(body: Body, place: tuple[float, float, float] = (0.0, 0.0, 0.0), noise:
     return points + rng.normal(0.0, noise, points.shape)
 
 
-def table() -> np.ndarray:
-    axis = np.arange(-0.4, 0.4, 0.006)
-    x, y = np.meshgrid(axis, axis)
-    return np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-
-
 def on_table(**clouds: np.ndarray) -> Scene:
-    return Scene({"table": table(), **clouds}, fixed=["table"], up=[0, 0, 1], viewpoints=VIEWS)
+    return Scene({"table": table(0.4, 0.006), **clouds}, fixed=["table"], up=[0, 0, 1], viewpoints=VIEWS)
 
 
 def tips(grasp: Grasp) -> np.ndarray:
     return grasp.pose_tool_to_world[:3, 3] + hand_shape(ARM).tip * grasp.approach
 
 
-def test_a_can_is_pinched_across_its_diameter() -> None:
+def test_a_can_is_pinched_across_its_diameter():
     best = grasp_candidates("can", on_table(can=seen(can())), robot("panda"))[0]
     assert best.kind == "pinch"
     assert 0.062 < best.width < 0.072
@@ -45,13 +40,13 @@ def test_a_can_is_pinched_across_its_diameter() -> None:
     assert best.opening <= hand_shape(ARM).max_opening
 
 
-def test_where_a_cup_is_sure_to_hold_no_pinch_is_looked_for() -> None:
+def test_where_a_cup_is_sure_to_hold_no_pinch_is_looked_for():
     grasps = grasp_candidates("can", on_table(can=seen(can())), ARM)
     assert {grasp.kind for grasp in grasps} == {"suction"}
     assert np.allclose(grasps[0].pose_tool_to_world[:3, 3], grasps[1].pose_tool_to_world[:3, 3])
 
 
-def test_a_spoon_in_the_air_is_pinched_across_its_handle_near_its_middle() -> None:
+def test_a_spoon_in_the_air_is_pinched_across_its_handle_near_its_middle():
     cloud = seen(spoon(), (0.0, 0.0, 0.03))
     grasps = grasp_candidates("spoon", on_table(spoon=cloud), ARM)
     best = grasps[0]
@@ -61,14 +56,14 @@ def test_a_spoon_in_the_air_is_pinched_across_its_handle_near_its_middle() -> No
     assert np.linalg.norm(best.pose_tool_to_world[:2, 3] - cloud.mean(axis=0)[:2]) < 0.05
 
 
-def test_fingers_never_go_below_the_table() -> None:
+def test_fingers_never_go_below_the_table():
     found = grasp_candidates("spoon", on_table(spoon=seen(spoon(), (0.0, 0.0, 0.03))), ARM)
     pinching = [grasp for grasp in found if grasp.tool == "fingers"]
     assert len(pinching) > 5
     assert min(tips(grasp)[2] for grasp in pinching) > 0.0
 
 
-def test_a_plate_is_taken_by_suction_at_its_middle() -> None:
+def test_a_plate_is_taken_by_suction_at_its_middle():
     best = grasp_candidates("plate", on_table(plate=seen(plate())), ARM)[0]
     assert best.kind == "suction"
     assert np.linalg.norm(best.pose_tool_to_world[:2, 3]) < 0.03
@@ -81,7 +76,7 @@ def sealed_at(cloud: np.ndarray) -> list[float]:
     return [float(np.linalg.norm(g.pose_tool_to_world[:2, 3])) for g in found if g.kind == "suction"]
 
 
-def test_no_cup_is_put_over_a_bump_that_its_lip_does_not_bridge() -> None:
+def test_no_cup_is_put_over_a_bump_that_its_lip_does_not_bridge():
     cloud = seen(plate())
     radius = np.linalg.norm(cloud[:, :2], axis=1)
     assert min(sealed_at(cloud)) < 0.01
@@ -92,7 +87,7 @@ def test_no_cup_is_put_over_a_bump_that_its_lip_does_not_bridge() -> None:
     assert min(sealed_at(low)) < 0.01
 
 
-def test_no_cup_is_put_on_waves_that_its_lip_does_not_bridge() -> None:
+def test_no_cup_is_put_on_waves_that_its_lip_does_not_bridge():
     cloud = seen(plate())
     waves = np.zeros_like(cloud)
     waves[:, 2] = 0.005 * np.sin(2 * np.pi * cloud[:, 0] / 0.03) * (cloud[:, 2] > 0.004)
@@ -101,7 +96,7 @@ def test_no_cup_is_put_on_waves_that_its_lip_does_not_bridge() -> None:
 
 
 @pytest.mark.slow
-def test_no_suction_where_something_lies_on_the_patch() -> None:
+def test_no_suction_where_something_lies_on_the_patch():
     free = grasp_candidates("plate", on_table(plate=seen(plate())), ARM)
     covered = on_table(plate=seen(plate()), can=seen(can(), (0.0, 0.0, 0.008)))
     taken = grasp_candidates("plate", covered, ARM)
@@ -118,7 +113,7 @@ def narrow(grasp: Grasp) -> bool:
 
 
 @pytest.mark.slow
-def test_walls_on_both_sides_leave_only_grasps_that_pass_between_them() -> None:
+def test_walls_on_both_sides_leave_only_grasps_that_pass_between_them():
     wide = box("a", (0.20, 0.04, 0.12))
     scene = on_table(
         bar=seen(box("bar", (0.20, 0.02, 0.05))),
@@ -132,14 +127,14 @@ def test_walls_on_both_sides_leave_only_grasps_that_pass_between_them() -> None:
     assert {"left", "right"} <= set(dropped.barring)
 
 
-def test_a_thing_wider_than_the_hand_is_not_pinched() -> None:
+def test_a_thing_wider_than_the_hand_is_not_pinched():
     scene = on_table(block=seen(box("block", (0.12, 0.12, 0.12))))
     assert {grasp.kind for grasp in grasp_candidates("block", scene, ARM)} == {"suction"}
     assert grasp_candidates("block", scene, PANDA) == []
     assert grasp_candidates("block", on_table(block=seen(box("block", (0.05, 0.05, 0.12)))), PANDA)
 
 
-def test_candidates_are_best_first_and_the_same_every_time() -> None:
+def test_candidates_are_best_first_and_the_same_every_time():
     scene = on_table(can=seen(can()))
     first, again = (grasp_candidates("can", scene, ARM) for _ in range(2))
     scores = [grasp.score for grasp in first]
@@ -150,7 +145,7 @@ def test_candidates_are_best_first_and_the_same_every_time() -> None:
     )
 
 
-def test_grasps_move_with_the_scene() -> None:
+def test_grasps_move_with_the_scene():
     a = grasp_candidates("can", on_table(can=seen(can())), ARM)[0]
     b = grasp_candidates("can", on_table(can=seen(can(), (0.1, -0.05, 0.0))), ARM)[0]
     assert a.kind == b.kind
@@ -158,25 +153,25 @@ def test_grasps_move_with_the_scene() -> None:
     assert np.linalg.norm(moved - [0.1, -0.05, 0.0]) < 0.01
 
 
-def test_unknown_names_and_unknown_up_are_refused() -> None:
+def test_unknown_names_and_unknown_up_are_refused():
     with pytest.raises(UnknownObject, match="cup"):
         grasp_candidates("cup", on_table(can=seen(can())), ARM)
     with pytest.raises(InvalidInput, match="up"):
         grasp_candidates("can", Scene({"can": seen(can())}), ARM)
 
 
-def test_a_pose_that_is_no_rotation_is_refused() -> None:
+def test_a_pose_that_is_no_rotation_is_refused():
     with pytest.raises(InvalidInput, match="rotation"):
         Grasp("can", "pinch", np.diag([2.0, 1.0, 1.0, 1.0]), 0.05, 0.06, 0.5)
 
 
-def test_half_a_turn_twice_is_the_same_grasp() -> None:
+def test_half_a_turn_twice_is_the_same_grasp():
     grasp = grasp_candidates("can", on_table(can=seen(can())), ARM)[0]
     assert np.allclose(grasp.turned().turned().pose_tool_to_world, grasp.pose_tool_to_world)
 
 
 @pytest.mark.slow
-def test_what_is_left_out_says_why_and_who_leaves_no_room() -> None:
+def test_what_is_left_out_says_why_and_who_leaves_no_room():
     high = box("wall", (0.20, 0.04, 0.12))
     scene = on_table(
         block=seen(box("block", (0.05, 0.05, 0.03))),

@@ -25,7 +25,7 @@ def plain(clouds: list[np.ndarray], hands: np.ndarray, region: Region) -> np.nda
 
 @pytest.mark.parametrize("edge", [0.004, 0.012, 0.1])
 @pytest.mark.parametrize("radius", [np.inf, 0.05])
-def test_counts_are_those_of_every_point_by_itself(edge: float, radius: float) -> None:
+def test_counts_are_those_of_every_point_by_itself(edge, radius):
     rng = np.random.default_rng(0)
     clouds = [
         rng.uniform(-0.3, 0.3, (size, 3)) * [1.0, 1.0, flat]
@@ -41,7 +41,7 @@ def test_counts_are_those_of_every_point_by_itself(edge: float, radius: float) -
     assert np.array_equal(cells.more_than(2, hands, [region, other]), more)
 
 
-def test_no_points_no_hands_and_no_regions_are_nothing() -> None:
+def test_no_points_no_hands_and_no_regions_are_nothing():
     rng = np.random.default_rng(0)
     hands = poses(3, rng)
     region = Region(np.full((3, 3), -1.0), np.full((3, 3), 1.0))

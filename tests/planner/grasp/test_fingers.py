@@ -67,13 +67,13 @@ def pinch(height: float = 0.05, score: float = 1.0) -> Grasp:
     [(shaded(LOW), True), (shaded(LOW, wall=False), False), (shaded(LOW, OTHER), False), (shaded(), False)],
     ids=["in a shadow", "no shadow", "another camera", "no camera"],
 )
-def test_a_finger_in_a_shadow_comes_unseen(scene: Scene, unseen: bool) -> None:
+def test_a_finger_in_a_shadow_comes_unseen(scene, unseen):
     assert coming_unseen([pinch()], Situation(scene), shapes_of(PANDA)).tolist() == [unseen]
     (ranked,) = rank_grasps(scene, [pinch()], "panda")
     assert (ranked.dropped, ranked.grasp.unseen) == (None, unseen)
 
 
-def test_where_something_was_taken_away_is_free_and_its_shadow_is_not() -> None:
+def test_where_something_was_taken_away_is_free_and_its_shadow_is_not():
     situation, away = Situation(shaded(LOW)), np.eye(4)
     away[:3, 3] = [0.0, -0.4, 0.0]
     places = np.array([[-0.12, 0.065, 0.05], [0.0, 0.065, 0.05], [0.0, -0.1, 0.05]])
@@ -82,7 +82,7 @@ def test_where_something_was_taken_away_is_free_and_its_shadow_is_not() -> None:
         assert after.shown(places, 0.005).tolist() == [True, False, True]
 
 
-def test_hands_that_come_seen_are_before_all_others() -> None:
+def test_hands_that_come_seen_are_before_all_others():
     found = grasp_candidates("block", shaded(LOW), PANDA)
     unseen = [grasp.unseen for grasp in found]
     assert {True, False} <= set(unseen)
@@ -90,7 +90,7 @@ def test_hands_that_come_seen_are_before_all_others() -> None:
     assert max(g.score for g in found if g.unseen) > min(g.score for g in found if not g.unseen)
 
 
-def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not() -> None:
+def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not():
     hidden, open_ = (
         plan(shaded(LOW, wall=wall), ["block"], "panda", base=BASE, grasps=[pinch()])
         for wall in (True, False)
@@ -107,7 +107,7 @@ def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not() -> None:
         plan(shaded(LOW), ["block"], "panda", base=BASE, grasps=[pinch()], relaxations=RELAXATIONS[:-1])
 
 
-def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one() -> None:
+def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one():
     scene = shaded(LOW, wall=False)
     turned = pinch().pose_tool_to_world @ np.array(
         [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
@@ -120,7 +120,7 @@ def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one() -> No
     assert step.unseen
 
 
-def test_what_may_go_as_well_goes_before_what_is_taken_unseen() -> None:
+def test_what_may_go_as_well_goes_before_what_is_taken_unseen():
     def by_name(situation: Situation, targets: Sequence[str], **_: object) -> Order:
         found = order(situation, targets)
         return replace(found, order=tuple(sorted(found.order)))
@@ -135,7 +135,7 @@ def test_what_may_go_as_well_goes_before_what_is_taken_unseen() -> None:
     assert orders == [["block", "lit"], ["lit", "block"]]
 
 
-def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted() -> None:
+def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted():
     hidden, open_ = shaded(LOW), shaded(LOW, OTHER)
     made = plan(hidden, ["block"], "panda", base=BASE, grasps=[pinch()])
     forged = json.loads(plan_to_json(made))
@@ -150,7 +150,7 @@ def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted() -> None
     assert any("cameras saw all of its way" in words for words in verify(made, open_, step=ROUGH).allowed)
 
 
-def test_hands_are_marked_as_they_are_made_whatever_their_grasp_says() -> None:
+def test_hands_are_marked_as_they_are_made_whatever_their_grasp_says():
     handling = Handling("block", Situation(shaded(LOW)), HOME)
     lit = Handling("block", Situation(shaded(LOW, OTHER)), HOME)
     for asked, unseen in ((handling, {True}), (lit, {False})):

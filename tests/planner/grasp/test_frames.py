@@ -8,7 +8,7 @@ from topple.planner.grasp.surface import surface_of
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def test_sides_of_a_close_up_of_tens_of_thousands_of_points_are_found_in_little_memory() -> None:
+def test_sides_of_a_close_up_of_tens_of_thousands_of_points_are_found_in_little_memory():
     rng = np.random.default_rng(0)
     face = rng.uniform([0.0, -0.1, 0.0], [0.0, 0.1, 0.25], (16_000, 3))
     side = rng.uniform([0.0, 0.1, 0.0], [0.1, 0.1, 0.25], (8_000, 3))

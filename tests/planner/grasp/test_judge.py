@@ -66,7 +66,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_what_no_hand_can_hold_is_refused_by_ranking_and_plan_alike(case: str) -> None:
+def test_what_no_hand_can_hold_is_refused_by_ranking_and_plan_alike(case):
     scene, grasp, words = CASES[case]
     (ranked,) = rank_grasps(scene, [grasp], "panda")
     assert words in (ranked.dropped or "")
@@ -76,7 +76,7 @@ def test_what_no_hand_can_hold_is_refused_by_ranking_and_plan_alike(case: str) -
     assert any(words in reason for reason in failure.reasons)
 
 
-def test_of_grasps_given_those_that_hold_are_used_and_none_of_the_others() -> None:
+def test_of_grasps_given_those_that_hold_are_used_and_none_of_the_others():
     scene = walled()
     bad = pinch("block", 0.0, 0.0, 0.04)
     turned = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
@@ -91,7 +91,7 @@ def test_of_grasps_given_those_that_hold_are_used_and_none_of_the_others() -> No
 
 
 @pytest.mark.parametrize("told", [0.0, 0.01, 0.2])
-def test_a_width_is_what_the_object_measures_whatever_it_is_told_to_be(told: float) -> None:
+def test_a_width_is_what_the_object_measures_whatever_it_is_told_to_be(told):
     scene = on_table((box("block", (0.05, 0.06, 0.05)), MIDDLE))
     (grasp,), _ = doable([replace(pinch("block", 0, 0, 0.04), width=told)], Situation(scene), PANDA, BASE)
     assert grasp.width == pytest.approx(0.06, abs=0.004)
@@ -102,7 +102,7 @@ def test_a_width_is_what_the_object_measures_whatever_it_is_told_to_be(told: flo
 @pytest.mark.parametrize(
     "body", [can(), mug(), spoon(), box("box", (0.04, 0.12, 0.06))], ids=lambda b: b.name
 )
-def test_what_a_search_finds_the_ranking_refuses_none_of(body) -> None:
+def test_what_a_search_finds_the_ranking_refuses_none_of(body):
     scene = on_table((body, MIDDLE))
     found = grasp_candidates(body.name, scene, PANDA)
     assert found

@@ -39,7 +39,7 @@ def _words(node: ast.expr) -> list[str]:
     return [ast.unparse(part).rpartition(".")[2] for part in parts]
 
 
-def test_nobody_else_asks_what_kind_a_gripper_is() -> None:
+def test_nobody_else_asks_what_kind_a_gripper_is():
     assert len(FILES) > 300 and {str(path.relative_to(ROOT)) for path in FILES} >= OWN
     asked = {
         f"{path.relative_to(ROOT)}:{line}"
@@ -54,5 +54,5 @@ def test_nobody_else_asks_what_kind_a_gripper_is() -> None:
     "line",
     ["isinstance(held, ParallelJaw)", "tool == FINGERS", "kind in ('pinch', 'rim')", "FINGERS in arm.tools"],
 )
-def test_a_question_would_be_found(line: str) -> None:
+def test_a_question_would_be_found(line):
     assert asks(ast.parse(line)) == [1]

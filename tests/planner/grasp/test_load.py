@@ -28,25 +28,25 @@ def load(arm: tuple[float, float, float], weight: float, friction: float = 0.5) 
     return float(jaw_load(np.array([arm]), DOWN, weight, width, depth, HAND, friction)[0])
 
 
-def test_what_hangs_below_the_pads_does_not_turn() -> None:
+def test_what_hangs_below_the_pads_does_not_turn():
     weight = 2.0 * 0.5 * HAND.force  # all that friction carries
     assert load((0.0, 0.0, 0.05), weight) == pytest.approx(1.0)
 
 
-def test_pads_hold_a_moment_of_their_friction_times_its_lever() -> None:
+def test_pads_hold_a_moment_of_their_friction_times_its_lever():
     held = 2.0 * 0.5 * HAND.force * HAND.give
     assert load((0.04, 0.0, 0.0), 0.9 * held / 0.04) < 1.0
     assert load((0.04, 0.0, 0.0), 1.1 * held / 0.04) > 1.0
     assert load((0.0, 0.02, 0.0), 1.1 * held / 0.04) < 1.0, "between the pads it hangs on both of them"
 
 
-def test_a_cup_peels_off_with_its_force_or_its_moment() -> None:
+def test_a_cup_peels_off_with_its_force_or_its_moment():
     assert CUP.max_force == pytest.approx(42.4, abs=0.1)
     assert cup_load(0.0, CUP.max_force, CUP) == pytest.approx(1.0)
     assert cup_load(CUP.radius, CUP.max_force / 2.0, CUP) == pytest.approx(1.0)
 
 
-def test_a_cup_holds_across_its_axis_what_friction_bears() -> None:
+def test_a_cup_holds_across_its_axis_what_friction_bears():
     """The load cases of a cup: lifting, moving aside, and holding a wall."""
     weight = 8.0
     assert cup_load(0.0, weight, CUP) == pytest.approx(weight / CUP.max_force)
@@ -61,7 +61,7 @@ def test_a_cup_holds_across_its_axis_what_friction_bears() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tilt", [0.0, 12.0, 50.0, 90.0])
-def test_a_cup_drops_in_simulation_what_the_planner_says_it_does_not_hold(tilt: float) -> None:
+def test_a_cup_drops_in_simulation_what_the_planner_says_it_does_not_hold(tilt):
     """A slab of 2 kg, lifted level and then turned."""
     arm, mass, thick = robot("panda-suction"), 2.0, 0.02
     turn = np.radians(tilt)
@@ -94,7 +94,7 @@ def gently(hand: SimulatedArm, poses: list[np.ndarray]) -> None:
     hand.follow(Way(np.array([np.interp(where, range(len(states)), q) for q in np.array(states).T]).T, 3.0))
 
 
-def test_what_cannot_hold_scores_below_what_can() -> None:
+def test_what_cannot_hold_scores_below_what_can():
     assert chance_to_hold(0.0) == 1.0
     assert chance_to_hold(0.5) == pytest.approx(0.95, abs=0.01), "half of it by the guess"
     assert chance_to_hold(1.0) == pytest.approx(0.5), "as likely too heavy as not"
@@ -106,7 +106,7 @@ def bar() -> Scene:
     return on_table((box("bar", SIZE), (0.0, 0.0, 0.0)), points=6000, half=0.4)
 
 
-def test_grasps_that_a_heavy_bar_would_turn_in_come_last_and_say_so() -> None:
+def test_grasps_that_a_heavy_bar_would_turn_in_come_last_and_say_so():
     weight = weight_of(float(np.prod(SIZE)))
     assert weight == pytest.approx(9.81 * DENSITY * 0.24 * 0.05 * 0.06)
     grasps = grasp_candidates("bar", bar(), robot("panda"), limit=300)
@@ -140,13 +140,13 @@ def turned(share: float) -> float:
 
 
 @pytest.mark.slow
-def test_a_bar_turns_between_the_pads_where_the_load_says_so() -> None:
+def test_a_bar_turns_between_the_pads_where_the_load_says_so():
     assert turned(0.9) < 1.0
     # flat faces hold several times as much as the round ones that are reckoned with
     assert turned(6.0) > 10.0
 
 
-def test_a_given_mass_decides_what_holds() -> None:
+def test_a_given_mass_decides_what_holds():
     light, heavy = (bar().weighed({"bar": mass}) for mass in (0.05, 1.0))
     best = [grasp_candidates("bar", scene, robot("panda"), limit=300) for scene in (light, heavy)]
     assert not any("its weight takes" in grasp.reason for grasp in best[0])
@@ -157,14 +157,14 @@ def test_a_given_mass_decides_what_holds() -> None:
 
 
 @pytest.mark.parametrize("arm", ["panda", "panda-suction"])
-def test_what_is_heavier_than_the_hand_holds_has_no_grasp_and_the_search_says_why(arm: str) -> None:
+def test_what_is_heavier_than_the_hand_holds_has_no_grasp_and_the_search_says_why(arm):
     dropped = Dropped()
     assert grasp_candidates("bar", bar().weighed({"bar": 60.0}), robot(arm), dropped=dropped) == []
     assert any(reason.startswith("60 kg are more than the") for reason in dropped.reasons)
     assert grasp_candidates("bar", bar(), robot(arm))
 
 
-def test_a_slippery_thing_is_held_less_than_a_rough_one() -> None:
+def test_a_slippery_thing_is_held_less_than_a_rough_one():
     mass = 0.9 * 2.0 * 0.3 * HAND.force / 9.81
     rough, slippery = (bar().weighed({"bar": mass}, {"bar": mu}) for mu in (0.8, 0.2))
     assert grasp_candidates("bar", rough, robot("panda"))

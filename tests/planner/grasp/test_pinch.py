@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import table
 
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
@@ -20,15 +21,9 @@ HAND = hand_shape(robot("panda"))
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def table() -> np.ndarray:
-    axis = np.arange(-0.3, 0.3, 0.006)
-    x, y = np.meshgrid(axis, axis)
-    return np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-
-
 def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
     rng = np.random.default_rng(3)
-    found = {"table": table()}
+    found = {"table": table(0.3, 0.006)}
     for name, (body, place) in bodies.items():
         points = body.surface(5000, rng) + np.array(place)
         found[name] = points + rng.normal(0.0, 0.0005, points.shape)
@@ -45,7 +40,7 @@ def searched(scene: Scene, name: str) -> tuple[Surface, np.ndarray, list[list[Gr
 
 
 @pytest.mark.parametrize("name", ["can", "bowl"])
-def test_every_prism_of_the_hand_is_clear_of_every_point_looked_at_one_by_one(name: str) -> None:
+def test_every_prism_of_the_hand_is_clear_of_every_point_looked_at_one_by_one(name):
     scene = clouds(
         can=(can(), (0.0, 0.0, 0.0)),
         wall=(box("wall", (0.2, 0.03, 0.1)), (0.0, 0.08, 0.0)),
@@ -65,7 +60,7 @@ def test_every_prism_of_the_hand_is_clear_of_every_point_looked_at_one_by_one(na
 
 
 @pytest.mark.parametrize("body", [bowl("thing"), mug("thing")], ids=["bowl", "mug"])
-def test_hollow_ware_is_taken_by_its_rim_with_one_finger_on_either_side_of_the_wall(body: Body) -> None:
+def test_hollow_ware_is_taken_by_its_rim_with_one_finger_on_either_side_of_the_wall(body):
     scene = clouds(thing=(body, (0.0, 0.0, 0.0)))
     _, _, found = searched(scene, "thing")
     rims = [pinch for at_point in found for pinch in at_point if pinch.kind == "rim"]
@@ -76,14 +71,14 @@ def test_hollow_ware_is_taken_by_its_rim_with_one_finger_on_either_side_of_the_w
     assert best.width < 0.04  # of the wall, not of the whole
 
 
-def test_a_plate_flat_on_a_table_leaves_no_room_for_a_finger_below_its_rim() -> None:
+def test_a_plate_flat_on_a_table_leaves_no_room_for_a_finger_below_its_rim():
     lying, bowls = (searched(clouds(thing=(body, (0.0, 0.0, 0.0))), "thing")[2] for body in (PLATE, BOWL))
     assert any(bowls), "the rim of a bowl has room below it"
     assert len(lying) == len(bowls) > 0
     assert not any(lying)
 
 
-def test_directions_looked_at_together_give_what_each_gives_alone() -> None:
+def test_directions_looked_at_together_give_what_each_gives_alone():
     scene = clouds(can=(can(), (0.0, 0.0, 0.0)), wall=(box("wall", (0.2, 0.03, 0.1)), (0.0, 0.08, 0.0)))
     sought, counts = Sought.of("can", Situation(scene)), list[int]()
     for many in frames(sought.surface, UP, GRASP_TOLERANCES.tilts, count=3):
@@ -104,7 +99,7 @@ def test_directions_looked_at_together_give_what_each_gives_alone() -> None:
     assert sum(counts) > 0
 
 
-def test_the_extent_between_pads_ends_at_a_gap_a_finger_could_enter() -> None:
+def test_the_extent_between_pads_ends_at_a_gap_a_finger_could_enter():
     y = np.array([[-0.02, 0.0, 0.004, 0.008, 0.03, 0.034]])
     low, high = extents(y, np.ones((1, 6), dtype=bool), GRASP_TOLERANCES)
     assert (low[0], high[0]) == (0.0, 0.008)
@@ -112,17 +107,19 @@ def test_the_extent_between_pads_ends_at_a_gap_a_finger_could_enter() -> None:
     assert (low[0], high[0]) == (0.0, 0.0)
 
 
-def test_packed_rows_name_the_columns_that_are_set() -> None:
+def test_packed_rows_name_the_columns_that_are_set():
     index, there = packed(np.array([[False, True, True], [False, False, False], [True, False, False]]))
     assert [row[have].tolist() for row, have in zip(index, there, strict=True)] == [[1, 2], [], [0]]
 
 
-def test_pads_close_on_the_ends_of_a_thing_and_not_where_the_hand_stops_to_look() -> None:
+def test_pads_close_on_the_ends_of_a_thing_and_not_where_the_hand_stops_to_look():
     # a mug on its side: longer than the hand opens, its top sinks towards the mouth by a few millimetres
     lying = mug().surface(8000, np.random.default_rng(5)) @ np.array([[0, 0, -1.0], [0, 1, 0], [1, 0, 0]]).T
     lying[:, 2] -= lying[:, 2].min()
     seen = lying[lying[:, 2] > 0.02] + np.random.default_rng(6).normal(0.0, 0.0005, (1, 3))
-    surface, _, found = searched(Scene({"table": table(), "mug": seen}, fixed=["table"], up=UP), "mug")
+    surface, _, found = searched(
+        Scene({"table": table(0.3, 0.006), "mug": seen}, fixed=["table"], up=UP), "mug"
+    )
     pinched = [pinch for at_point in found for pinch in at_point]
     assert pinched, "by its handle or its rim"
     for pinch in pinched:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moving import at, down
 from on_table import on_table
 
 from topple.benchmarks.grasps import random_grasps
@@ -22,12 +23,6 @@ from topple.topology.scene.scene import Scene
 from topple.topology.views.image import DepthImage
 
 
-def down(x: float, y: float, z: float) -> np.ndarray:
-    pose = np.diag([1.0, -1.0, -1.0, 1.0])
-    pose[:3, 3] = [x, y, z]
-    return pose
-
-
 def scene() -> Scene:
     places = {"lower": (0.0, 0.0, 0.0), "upper": (0.0, 0.0, 0.0505)}
     return on_table(*((box(name, (0.05, 0.05, 0.05)), at) for name, at in places.items()), half=0.3)
@@ -36,14 +31,14 @@ def scene() -> Scene:
 GRASPS = np.array([down(0.0, 0.0, 0.035), down(0.0, 0.0, 0.088), down(0.2, 0.2, 0.1)])
 
 
-def test_what_may_go_first_comes_first_whatever_the_scores() -> None:
+def test_what_may_go_first_comes_first_whatever_the_scores():
     ranked = rank_grasps(scene(), GRASPS)
     assert [entry.grasp.object for entry in ranked] == ["upper", "lower", ""]
     assert ranked[0].dropped is None
     assert ranked[0].before == ()
 
 
-def test_every_dropped_grasp_says_why() -> None:
+def test_every_dropped_grasp_says_why():
     ranked = {entry.index: entry for entry in rank_grasps(scene(), GRASPS)}
     assert "upper" in (ranked[0].dropped or "")
     assert ranked[2].dropped == "nothing is between its pads"
@@ -57,9 +52,7 @@ def test_every_dropped_grasp_says_why() -> None:
         (2.0, []),
     ],
 )
-def test_what_is_known_to_weigh_more_than_hand_or_arm_hold_is_refused_with_its_figures(
-    mass: float, why: list[str]
-) -> None:
+def test_what_is_known_to_weigh_more_than_hand_or_arm_hold_is_refused_with_its_figures(mass, why):
     upper = rank_grasps(scene().weighed({"upper": mass}), GRASPS, "panda")[0]
     assert upper.grasp.object == "upper"
     said = (upper.dropped or "").split("; ")
@@ -67,14 +60,13 @@ def test_what_is_known_to_weigh_more_than_hand_or_arm_hold_is_refused_with_its_f
     assert (upper.dropped is None) is not bool(why)
 
 
-def test_what_the_arm_cannot_reach_is_dropped() -> None:
-    far = np.eye(4)
-    far[0, 3] = -3.0
+def test_what_the_arm_cannot_reach_is_dropped():
+    far = at(-3.0, 0.0, 0.0)
     ranked = rank_grasps(scene(), GRASPS, robot("panda"), pose_base_to_world=far)
     assert ranked[0].dropped == "out of reach"
 
 
-def test_grasps_in_the_frame_of_the_scene_s_camera_are_taken_by_its_pose() -> None:
+def test_grasps_in_the_frame_of_the_scene_s_camera_are_taken_by_its_pose():
     eye = down(0.1, 0.0, 0.9)
     depth, label = np.full((120, 160), 0.9), np.zeros((120, 160), np.int64)
     camera = DepthImage(depth, np.array([[150.0, 0, 80], [0, 150, 60], [0, 0, 1]]), label, eye)
@@ -89,17 +81,17 @@ def test_grasps_in_the_frame_of_the_scene_s_camera_are_taken_by_its_pose() -> No
         rank_grasps(scene(), poses)
 
 
-def test_no_grasps_give_no_ranking() -> None:
+def test_no_grasps_give_no_ranking():
     assert rank_grasps(scene(), np.empty((0, 4, 4))) == []
 
 
-def test_all_that_speaks_against_a_grasp_is_said() -> None:
+def test_all_that_speaks_against_a_grasp_is_said():
     ranked = {entry.index: entry for entry in rank_grasps(scene(), GRASPS)}
     assert "the hand meets upper" in (ranked[0].dropped or "")
     assert "upper would move: has to go before lower" in (ranked[0].dropped or "")
 
 
-def test_of_what_may_go_now_what_can_be_done_comes_before_a_better_score() -> None:
+def test_of_what_may_go_now_what_can_be_done_comes_before_a_better_score():
     blocked, free = down(0.0, 0.0, 0.088), down(0.0, 0.0, 0.088)
     blocked[2, 3] = 0.03  # so deep that the palm meets the top
     poses = [
@@ -111,7 +103,7 @@ def test_of_what_may_go_now_what_can_be_done_comes_before_a_better_score() -> No
     assert ranked[2].dropped is not None
 
 
-def test_grasps_in_another_frame_are_brought_to_the_world_or_refused() -> None:
+def test_grasps_in_another_frame_are_brought_to_the_world_or_refused():
     away, back = np.eye(4), np.eye(4)
     away[0, 3], back[0, 3] = 2.0, -2.0
     with pytest.raises(InvalidInput, match=r"no grasp is near anything.*pose_source_to_world"):
@@ -122,14 +114,14 @@ def test_grasps_in_another_frame_are_brought_to_the_world_or_refused() -> None:
         rank_grasps(scene(), GRASPS, pose_source_to_world=np.eye(3))
 
 
-def test_grasps_of_what_is_not_there_and_by_tools_that_are_missing_are_refused() -> None:
+def test_grasps_of_what_is_not_there_and_by_tools_that_are_missing_are_refused():
     with pytest.raises(UnknownObject, match="cup"):
         rank_grasps(scene(), [Grasp("cup", "pinch", down(0.0, 0.0, 0.088), 0.05, 0.06, 1.0)])
     with pytest.raises(InvalidInput, match="panda has no suction"):
         rank_grasps(scene(), [Grasp("upper", "suction", down(0.0, 0.0, 0.1), 0.0, 0.0, 1.0)], "panda")
 
 
-def test_a_cup_that_meets_a_neighbour_says_which() -> None:
+def test_a_cup_that_meets_a_neighbour_says_which():
     beside = box("wall", (0.02, 0.05, 0.2)).surface(3000, np.random.default_rng(1)) + np.array(
         [0.02, 0.0, 0.0]
     )
@@ -140,7 +132,7 @@ def test_a_cup_that_meets_a_neighbour_says_which() -> None:
     assert free.dropped is None
 
 
-def test_a_neighbour_beside_the_cup_alone_is_met_too() -> None:
+def test_a_neighbour_beside_the_cup_alone_is_met_too():
     cup = cup_shape(robot("panda-suction"))
     rod = np.random.default_rng(1).uniform([-0.003, -0.003, 0.103], [0.003, 0.003, 0.12], (400, 3))
     rod += np.array([0.012, 0.0, 0.0])
@@ -194,7 +186,7 @@ def one_by_one(
     ("name", "arm"),
     [("osd_test42", "panda"), ("osd_test60", "iiwa"), ("osd_learn33", None)],
 )
-def test_many_grasps_of_a_real_frame_are_ranked_as_each_by_itself(name: str, arm: str | None) -> None:
+def test_many_grasps_of_a_real_frame_are_ranked_as_each_by_itself(name, arm):
     given = frame(name)
     poses = random_grasps(given, 40, np.random.default_rng(2))
     up = np.asarray(given.up)
@@ -214,7 +206,7 @@ def test_many_grasps_of_a_real_frame_are_ranked_as_each_by_itself(name: str, arm
     assert all(np.array_equal(entry.grasp.pose_tool_to_world, poses[entry.index]) for entry in ranked)
 
 
-def test_many_cups_among_neighbours_are_told_what_each_by_itself_is_told() -> None:
+def test_many_cups_among_neighbours_are_told_what_each_by_itself_is_told():
     given, rng = scene(), np.random.default_rng(3)
     poses = random_grasps(given, 60, rng)
     names = [given.movable[int(rng.integers(len(given.movable)))] for _ in poses]
@@ -228,7 +220,7 @@ def test_many_cups_among_neighbours_are_told_what_each_by_itself_is_told() -> No
         assert "; ".join(text for text in told if text.startswith(WAYS)) == words
 
 
-def test_what_a_file_calls_things_is_what_they_hold_and_what_it_names_wrongly_says_so() -> None:
+def test_what_a_file_calls_things_is_what_they_hold_and_what_it_names_wrongly_says_so():
     given = Scene(
         {"7" if n == "upper" else "3" if n == "lower" else n: c for n, c in scene().clouds.items()},
         fixed=["table"],
@@ -255,7 +247,7 @@ def test_what_a_file_calls_things_is_what_they_hold_and_what_it_names_wrongly_sa
         rank_grasps(given, labelled("6", "6", "2", "2"), names={6: "cup"})
 
 
-def test_a_reach_of_ones_own_is_asked_about_what_nothing_else_speaks_against() -> None:
+def test_a_reach_of_ones_own_is_asked_about_what_nothing_else_speaks_against():
     asked: list[list[str]] = []
 
     def reach(grasps):
@@ -273,9 +265,8 @@ def test_a_reach_of_ones_own_is_asked_about_what_nothing_else_speaks_against() -
     assert (everywhere[0].dropped, nowhere[0].dropped) == (None, "out of reach")
 
 
-def test_a_reach_of_ones_own_goes_before_the_arms(tmp_path: Path) -> None:
-    far = np.eye(4)
-    far[0, 3] = -3.0
+def test_a_reach_of_ones_own_goes_before_the_arms(tmp_path):
+    far = at(-3.0, 0.0, 0.0)
     ranked = rank_grasps(scene(), GRASPS, "panda", pose_base_to_world=far, reach=lambda grasps: [True])
     assert ranked[0].dropped is None
 
@@ -283,12 +274,12 @@ def test_a_reach_of_ones_own_goes_before_the_arms(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("answers", "words"), [([], "0 answers for 1 grasps"), ([0.5], "reach gave 0.5 for a grasp")]
 )
-def test_a_reach_that_answers_something_else_is_refused(answers, words: str) -> None:
+def test_a_reach_that_answers_something_else_is_refused(answers, words):
     with pytest.raises(InvalidInput, match=words):
         rank_grasps(scene(), GRASPS, reach=lambda grasps: answers)
 
 
-def test_many_scenes_are_ranked_as_each_by_itself() -> None:
+def test_many_scenes_are_ranked_as_each_by_itself():
     turned = GRASPS[::-1]
     with ThreadPoolExecutor(2) as executor:
         batch = rank_all([scene(), scene()], [GRASPS, turned], executor=executor)

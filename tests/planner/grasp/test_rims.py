@@ -40,7 +40,7 @@ def reached(arm: Arm, grasps: list[Grasp], back: FloatArray) -> tuple[Grasp, Flo
 
 
 @pytest.mark.parametrize(("name", "height"), [("panda", 0.12), ("iiwa", 0.05)])
-def test_a_plate_is_held_by_its_rim_and_lifted(name: str, height: float) -> None:
+def test_a_plate_is_held_by_its_rim_and_lifted(name, height):
     arm = robot(name)
     grasps = grasp_candidates("plate", raised(height), arm)
     assert {grasp.kind for grasp in grasps} == {"rim"}
@@ -67,7 +67,7 @@ def test_a_plate_is_held_by_its_rim_and_lifted(name: str, height: float) -> None
         assert np.degrees(angle_between(before, after)) < 5.0
 
 
-def test_a_rim_too_close_to_the_table_says_how_much_room_a_finger_and_the_hand_need() -> None:
+def test_a_rim_too_close_to_the_table_says_how_much_room_a_finger_and_the_hand_need():
     dropped = Dropped()
     panda = robot("panda")
     assert grasp_candidates("plate", raised(0.0), panda, dropped=dropped) == []

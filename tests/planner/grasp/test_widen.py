@@ -21,7 +21,7 @@ def beside(distance: float) -> Scene:
     return Scene({"can": half, "wall": wall, "table": ground}, fixed=["table"], up=UP)
 
 
-def test_the_hand_opens_as_far_as_there_is_room_beside_its_fingers() -> None:
+def test_the_hand_opens_as_far_as_there_is_room_beside_its_fingers():
     scene = beside(0.25)
     plain = grasp_candidates("can", scene, tools=[HAND])
     wide = grasp_candidates("can", scene, tools=[HAND], wide=True)
@@ -33,7 +33,7 @@ def test_the_hand_opens_as_far_as_there_is_room_beside_its_fingers() -> None:
     assert all(wide[k].opening == HAND.max_opening for k in across if wide[k].kind == "pinch")
 
 
-def test_it_opens_no_further_where_a_neighbour_would_be_met() -> None:
+def test_it_opens_no_further_where_a_neighbour_would_be_met():
     scene = beside(0.07)  # the wall's near side is 35 mm off the can's
     wide = grasp_candidates("can", scene, tools=[HAND], wide=True)
     across = [grasp for grasp in wide if abs(grasp.pose_tool_to_world[1, 1]) > 0.9]

@@ -29,7 +29,7 @@ def crowded() -> Scene:
 
 
 @pytest.mark.skipif(compiled.kernels() is None, reason="no kernels were compiled here")
-def test_pads_close_on_the_same_by_kernel_and_twin(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pads_close_on_the_same_by_kernel_and_twin(monkeypatch):
     situation, met = Situation(crowded()), set[int]()
     for name in ("can", "wide", "bowl", "mug"):
         sought = Sought.of(name, situation)

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from scenes import densely, top_down
 
 
-def test_the_tool_stays_on_the_line_between_the_waypoints_too() -> None:
+def test_the_tool_stays_on_the_line_between_the_waypoints_too():
     arm = robot("panda")
     start = arm.inverse(top_down(0.5, 0.1, 0.1, 0.3))[0][0]
     goal = top_down(0.5, 0.1, 0.25, 0.3)
@@ -22,7 +22,7 @@ def test_the_tool_stays_on_the_line_between_the_waypoints_too() -> None:
     assert np.abs(poses[:, :3, :3] - goal[:3, :3]).max() < 2e-3
 
 
-def test_the_tool_turns_evenly_on_the_way() -> None:
+def test_the_tool_turns_evenly_on_the_way():
     arm = robot("panda")
     start = arm.inverse(top_down(0.5, 0.0, 0.2, 0.0))[0][0]
     goal = top_down(0.5, 0.1, 0.2, 0.6)
@@ -33,7 +33,7 @@ def test_the_tool_turns_evenly_on_the_way() -> None:
     assert np.ptp(np.abs(steps)) < 1e-3
 
 
-def test_beyond_reach_there_is_no_line() -> None:
+def test_beyond_reach_there_is_no_line():
     arm = robot("panda")
     start = arm.inverse(top_down(0.5, 0.0, 0.3))[0][0]
     assert straight_lines(arm, start[None], top_down(1.5, 0.0, 0.3)[None]) == [None]

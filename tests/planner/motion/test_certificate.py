@@ -23,7 +23,7 @@ def edges(count: int, reach: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_proven_edge_is_free_when_looked_at_densely_and_a_refused_one_is_not(seed: int) -> None:
+def test_a_proven_edge_is_free_when_looked_at_densely_and_a_refused_one_is_not(seed):
     checker = Checker(robot("panda"), np.eye(4), clutter(seed))
     starts, ends = edges(40, 0.3, seed)
     found = Certifier(checker).certify(starts, ends)
@@ -40,7 +40,7 @@ def test_a_proven_edge_is_free_when_looked_at_densely_and_a_refused_one_is_not(s
             assert not dense.all() or certificate.contact.distance > -1e-4
 
 
-def test_the_clearance_asked_for_is_kept() -> None:
+def test_the_clearance_asked_for_is_kept():
     scene = clutter(1)
     arm = robot("panda")
     checker = Checker(arm, np.eye(4), scene)
@@ -54,7 +54,7 @@ def test_the_clearance_asked_for_is_kept() -> None:
         assert wide.free(densely(np.array([starts[k], ends[k]]), 0.01)).all()
 
 
-def test_a_thin_wire_between_the_samples_is_found() -> None:
+def test_a_thin_wire_between_the_samples_is_found():
     arm = robot("panda")
     a, b = arm.home.copy(), arm.home.copy()
     a[0], b[0] = -0.5, 0.5
@@ -69,7 +69,7 @@ def test_a_thin_wire_between_the_samples_is_found() -> None:
     assert found.contact.b == "wire"
 
 
-def test_an_edge_without_length_is_its_state() -> None:
+def test_an_edge_without_length_is_its_state():
     checker = Checker(robot("panda"), np.eye(4), clutter(0))
     home = checker.arm.home
     (found,) = Certifier(checker).certify(home[None], home[None])
@@ -78,7 +78,7 @@ def test_an_edge_without_length_is_its_state() -> None:
 
 
 @pytest.mark.parametrize("path", ["compiled", "numpy"])
-def test_no_part_moves_farther_than_its_bound(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_part_moves_farther_than_its_bound(path, monkeypatch):
     monkeypatch.setenv(VARIABLE, path)
     arm = robot("panda")
     model, rng = Checker(arm, np.eye(4), {}).model, np.random.default_rng(0)
@@ -103,7 +103,7 @@ def test_no_part_moves_farther_than_its_bound(path: str, monkeypatch: pytest.Mon
             assert (np.linalg.norm(moved - stood, axis=2).max(axis=1) <= most + 1e-5).all()
 
 
-def test_kernels_and_twins_bound_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_kernels_and_twins_bound_the_same(monkeypatch):
     checker = Checker(robot("panda"), np.eye(4), clutter(2), margin=0.01)
     starts, ends = edges(60, 0.4, 3)
     poses = checker.arm.chain.poses(starts)
@@ -130,7 +130,7 @@ def seen_from(frames: np.ndarray, base: int, frame: int, vertices: np.ndarray) -
     return np.einsum("mij,vj->mvi", pose[:, :3, :3], vertices) + pose[:, None, :3, 3]
 
 
-def test_an_edge_is_certified_or_its_witness_named() -> None:
+def test_an_edge_is_certified_or_its_witness_named():
     arm = robot("panda")
     a, b = arm.home.copy(), arm.home.copy()
     a[0], b[0] = -0.6, 0.6

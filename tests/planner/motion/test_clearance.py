@@ -52,7 +52,7 @@ def least_distance(client: int, arm: Arm, corners: list[np.ndarray], path: np.nd
 
 
 @pytest.mark.parametrize("make", [pick, pytest.param(transfer, marks=pytest.mark.slow)])
-def test_pybullet_sees_no_overlap_on_the_paths_and_what_is_stated_is_kept(client: int, make: object) -> None:
+def test_pybullet_sees_no_overlap_on_the_paths_and_what_is_stated_is_kept(client, make):
     arm = robot("panda")
     kept: list[float] = []
     for seed in range(6):
@@ -87,7 +87,7 @@ def slit(width: float) -> tuple[Checker, np.ndarray, np.ndarray]:
     return Checker(arm, np.eye(4), walls), start, goal
 
 
-def test_where_there_is_room_the_clearance_is_kept_and_asking_for_none_gives_none() -> None:
+def test_where_there_is_room_the_clearance_is_kept_and_asking_for_none_gives_none():
     checker, start, goal = slit(0.03)
     found = plan_motion(checker, start, goal)
     assert isinstance(found, Motion) and found.certificate is not None
@@ -97,7 +97,7 @@ def test_where_there_is_room_the_clearance_is_kept_and_asking_for_none_gives_non
     assert wide.certificate.clearance >= 0.02
 
 
-def test_a_goal_nearer_than_the_clearance_is_reached_and_the_certificate_says_how_near() -> None:
+def test_a_goal_nearer_than_the_clearance_is_reached_and_the_certificate_says_how_near():
     checker, start, goal = slit(0.002)
     found = plan_motion(checker, start, goal)
     assert isinstance(found, Motion) and found.certificate is not None
@@ -105,7 +105,7 @@ def test_a_goal_nearer_than_the_clearance_is_reached_and_the_certificate_says_ho
     assert 0.001 < found.certificate.clearance < CLEARANCE - 1e-3
 
 
-def test_only_the_part_that_the_start_is_near_to_is_approached() -> None:
+def test_only_the_part_that_the_start_is_near_to_is_approached():
     checker, start, goal = slit(0.002)
     stricter = checker.keeping(CLEARANCE, np.stack([start, goal]))
     far = Checker(checker.arm, np.eye(4), {"post": [box((0.0, 0.6, 0.5), (0.1, 0.1, 1.0))]})
@@ -116,7 +116,7 @@ def test_only_the_part_that_the_start_is_near_to_is_approached() -> None:
     assert stricter.free(np.stack([start, goal])).all()
 
 
-def test_a_passage_narrower_than_the_clearance_is_passed_before_there_is_no_plan() -> None:
+def test_a_passage_narrower_than_the_clearance_is_passed_before_there_is_no_plan():
     """The start and the goal are clear; between them there are 2 mm beside a plate."""
     arm = robot("panda")
     turned = arm.home + np.array([1.2, *np.zeros(6)])

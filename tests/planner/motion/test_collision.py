@@ -45,7 +45,7 @@ def one_by_one(checker: Checker, q: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_batch_agrees_with_fcl_state_by_state(seed: int) -> None:
+def test_the_batch_agrees_with_fcl_state_by_state(seed):
     checker = Checker(robot("panda"), np.eye(4), clutter(seed))
     q = states(1500, seed)
     found = checker.free(q)
@@ -53,7 +53,7 @@ def test_the_batch_agrees_with_fcl_state_by_state(seed: int) -> None:
     assert np.array_equal(found, one_by_one(checker, q))
 
 
-def test_the_batch_agrees_with_fcl_with_an_object_in_the_hand() -> None:
+def test_the_batch_agrees_with_fcl_with_an_object_in_the_hand():
     held = Attachment((box((0.0, 0.0, 0.05), (0.2, 0.05, 0.1)),))
     checker = Checker(
         robot("panda"), np.eye(4), clutter(5), tool_state=ToolState(0.05), attached=held, margin=0.0
@@ -62,13 +62,13 @@ def test_the_batch_agrees_with_fcl_with_an_object_in_the_hand() -> None:
     assert np.array_equal(checker.free(q), one_by_one(checker, q))
 
 
-def test_the_size_of_the_batch_does_not_matter() -> None:
+def test_the_size_of_the_batch_does_not_matter():
     checker = Checker(robot("panda"), np.eye(4), clutter(1))
     q = states(300)
     assert np.array_equal(checker.free(q), np.concatenate([checker.free(part) for part in np.split(q, 60)]))
 
 
-def test_pybullet_agrees_beyond_its_margin() -> None:
+def test_pybullet_agrees_beyond_its_margin():
     """PyBullet's hulls carry a millimetre of margin: within 2 mm of contact it may say either."""
     arm, scene = robot("panda"), clutter(2)
     checker = Checker(arm, np.eye(4), scene)
@@ -110,7 +110,7 @@ def self_hit(contact: object) -> bool:
     return str(getattr(contact, "b", "")).startswith("panda")
 
 
-def test_a_witness_names_who_hits_whom() -> None:
+def test_a_witness_names_who_hits_whom():
     arm = robot("panda")
     checker = Checker(arm, np.eye(4), {"pillar": [box((0.5, 0.0, 0.3), (0.05, 0.05, 0.6))]})
     (q,) = (found[0] for found in arm.inverse(top_down(0.5, 0.0, 0.3)))
@@ -122,7 +122,7 @@ def test_a_witness_names_who_hits_whom() -> None:
     assert checker.contacts(arm.home) == ()
 
 
-def test_what_may_touch_is_not_reported() -> None:
+def test_what_may_touch_is_not_reported():
     arm = robot("panda")
     scene = {"ball": [box((0.5, 0.0, 0.3), (0.02, 0.02, 0.02))]}
     q = arm.inverse(top_down(0.5, 0.0, 0.3))[0][:1]
@@ -132,7 +132,7 @@ def test_what_may_touch_is_not_reported() -> None:
     assert Checker(arm, np.eye(4), scene, tool_state=closed, allow=fingers).free(q)[0]
 
 
-def test_a_held_object_hits_what_the_hand_would_not() -> None:
+def test_a_held_object_hits_what_the_hand_would_not():
     arm = robot("panda")
     scene = {"table": [box((0.5, 0.0, -0.02), (1.0, 1.0, 0.04))]}
     q = arm.inverse(top_down(0.5, 0.0, 0.1))[0][:1]
@@ -144,7 +144,7 @@ def test_a_held_object_hits_what_the_hand_would_not() -> None:
 
 
 @pytest.mark.parametrize("gap", [0.004, 0.02])
-def test_a_margin_keeps_that_distance(gap: float) -> None:
+def test_a_margin_keeps_that_distance(gap):
     arm = robot("panda")
     q = arm.inverse(top_down(0.5, 0.0, 0.2))[0][:1]
     lowest = min(
@@ -157,7 +157,7 @@ def test_a_margin_keeps_that_distance(gap: float) -> None:
     assert not Checker(arm, np.eye(4), table, margin=gap + 0.0005).free(q)[0]
 
 
-def test_moving_base_and_scene_together_changes_nothing() -> None:
+def test_moving_base_and_scene_together_changes_nothing():
     arm, scene, q = robot("panda"), clutter(4), states(400)
     c, s = np.cos(0.7), np.sin(0.7)
     pose = np.array([[c, -s, 0, 0.3], [s, c, 0, -1.0], [0, 0, 1, 0.2], [0, 0, 0, 1]])
@@ -165,7 +165,7 @@ def test_moving_base_and_scene_together_changes_nothing() -> None:
     assert np.array_equal(Checker(arm, np.eye(4), scene).free(q), Checker(arm, pose, moved).free(q))
 
 
-def test_an_edge_is_free_where_its_samples_are() -> None:
+def test_an_edge_is_free_where_its_samples_are():
     checker = Checker(robot("panda"), np.eye(4), clutter(0))
     starts, ends = states(40, 1), states(40, 2)
     ends = starts + 0.3 * (ends - starts)
@@ -177,7 +177,7 @@ def test_an_edge_is_free_where_its_samples_are() -> None:
         assert free == checker.edge_free(a, b)
 
 
-def test_flat_and_tiny_obstacles_are_obstacles() -> None:
+def test_flat_and_tiny_obstacles_are_obstacles():
     arm = robot("panda")
     hand = arm.tool_pose(arm.home)[0, :3, 3] - 0.08 * arm.tool_pose(arm.home)[0, :3, 2]
     sheet = hand + np.array([[x, y, 0.0] for x in (-0.2, 0.2) for y in (-0.2, 0.2)])
@@ -185,7 +185,7 @@ def test_flat_and_tiny_obstacles_are_obstacles() -> None:
         assert Checker(arm, np.eye(4), {"thing": [part]}).witness(arm.home) == ("panda_hand", "thing")
 
 
-def test_bad_obstacles_are_refused_by_name() -> None:
+def test_bad_obstacles_are_refused_by_name():
     arm = robot("panda")
     with pytest.raises(InvalidInput, match="'hole'"):
         Checker(arm, np.eye(4), {"hole": [np.empty((0, 3))]})

@@ -19,7 +19,7 @@ from scenes import box, clutter, densely, top_down, walled
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_motion_around_a_wall_is_free_everywhere_and_reaches_a_goal(seed: int) -> None:
+def test_a_motion_around_a_wall_is_free_everywhere_and_reaches_a_goal(seed):
     checker, start, goals = walled(robot("panda"), seed)
     found = plan_motion(checker, start, goals, seed=seed)
     assert isinstance(found, Motion)
@@ -32,7 +32,7 @@ def test_a_motion_around_a_wall_is_free_everywhere_and_reaches_a_goal(seed: int)
     assert ((found.path >= arm.lower - 1e-6) & (found.path <= arm.upper + 1e-6)).all()
 
 
-def test_the_same_seed_gives_the_same_path() -> None:
+def test_the_same_seed_gives_the_same_path():
     checker, start, goals = walled(robot("panda"), 1)
     first, second = (plan_motion(checker, start, goals, seed=3) for _ in range(2))
     assert isinstance(first, Motion)
@@ -41,7 +41,7 @@ def test_the_same_seed_gives_the_same_path() -> None:
     assert first.stage == "rrt"
 
 
-def test_where_the_straight_way_is_free_it_is_taken_to_the_nearest_goal() -> None:
+def test_where_the_straight_way_is_free_it_is_taken_to_the_nearest_goal():
     arm = robot("panda")
     checker = Checker(arm, np.eye(4), {"table": [box((0.5, 0.0, -0.03), (1.0, 1.0, 0.04))]})
     goals = arm.home + np.array([[0.8], [0.3], [-0.5]]) * np.eye(7)[0]
@@ -50,7 +50,7 @@ def test_where_the_straight_way_is_free_it_is_taken_to_the_nearest_goal() -> Non
     assert (found.stage, found.goal, len(found.path)) == ("direct", 1, 2)
 
 
-def test_a_start_in_collision_says_with_what() -> None:
+def test_a_start_in_collision_says_with_what():
     arm = robot("panda")
     checker = Checker(arm, np.eye(4), {"post": [box((0.45, 0.0, 0.5), (0.05, 0.05, 0.4))]})
     state = arm.inverse(top_down(0.45, 0.0, 0.4))[0][0]
@@ -77,7 +77,7 @@ def behind_walls() -> tuple[Checker, np.ndarray, np.ndarray]:
     return Checker(arm, np.eye(4), walls), arm.home, np.array([2.8, *arm.home[1:]])
 
 
-def test_a_goal_behind_walls_fails_and_names_what_bars_the_way() -> None:
+def test_a_goal_behind_walls_fails_and_names_what_bars_the_way():
     found = plan_motion(*behind_walls(), rounds=40)
     assert isinstance(found, MotionFailure)
     assert found.stage == "search"
@@ -86,7 +86,7 @@ def test_a_goal_behind_walls_fails_and_names_what_bars_the_way() -> None:
     assert found.witness[1] in found.reason
 
 
-def test_a_budget_that_runs_out_is_the_failure_and_counts_for_the_whole_call() -> None:
+def test_a_budget_that_runs_out_is_the_failure_and_counts_for_the_whole_call():
     found = plan_motion(*behind_walls(), budget=0.05)
     assert isinstance(found, MotionFailure)
     assert (found.stage, found.contacts) == ("budget", ())
@@ -105,7 +105,7 @@ class Slow(Checker):
         return super().edges_free(*edges, **how)  # type: ignore[arg-type]
 
 
-def test_on_a_busy_machine_the_answer_is_the_same_only_later() -> None:
+def test_on_a_busy_machine_the_answer_is_the_same_only_later():
     checker, start, goals = walled(robot("panda"), 1)
     slow = copy(checker)
     slow.__class__ = Slow
@@ -122,7 +122,7 @@ def test_on_a_busy_machine_the_answer_is_the_same_only_later() -> None:
     assert (busy.stage, busy.reason) == (idle.stage, idle.reason)
 
 
-def test_what_is_no_query_is_refused() -> None:
+def test_what_is_no_query_is_refused():
     arm = robot("panda")
     checker = Checker(arm, np.eye(4), {})
     with pytest.raises(InvalidInput, match="panda has 7 joints"):
@@ -137,7 +137,7 @@ def test_what_is_no_query_is_refused() -> None:
 
 
 @pytest.mark.parametrize(("planner", "iterations"), [("RRTConnect", 2000), ("AORRTC", 500)])
-def test_ompl_finds_a_way_through_the_batched_validator(planner: str, iterations: int) -> None:
+def test_ompl_finds_a_way_through_the_batched_validator(planner, iterations):
     checker, start, goals = walled(robot("panda"), 2)
     path = ompl_path(checker, start, goals, iterations=iterations, planner=planner)
     assert path is not None
@@ -146,7 +146,7 @@ def test_ompl_finds_a_way_through_the_batched_validator(planner: str, iterations
     assert checker.edges_free(path[:-1], path[1:]).all()
 
 
-def test_a_shortcut_keeps_the_ends_and_is_no_longer() -> None:
+def test_a_shortcut_keeps_the_ends_and_is_no_longer():
     rng = np.random.default_rng(0)
     path = np.cumsum(rng.normal(size=(12, 3)), axis=0)
     blocked = path[6]
@@ -165,12 +165,12 @@ def test_a_shortcut_keeps_the_ends_and_is_no_longer() -> None:
     assert len(straight) == 2
 
 
-def test_a_path_that_is_not_trusted_and_not_free_is_given_up() -> None:
+def test_a_path_that_is_not_trusted_and_not_free_is_given_up():
     path = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
     assert shortcut(path, lambda a, b: np.zeros(len(a), dtype=bool), trusted=False) is None
 
 
-def test_clutter_is_crossed_from_many_states() -> None:
+def test_clutter_is_crossed_from_many_states():
     checker = Checker(robot("panda"), np.eye(4), clutter(7))
     arm = checker.arm
     rng = np.random.default_rng(7)

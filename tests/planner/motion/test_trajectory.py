@@ -18,7 +18,7 @@ def random_path(seed: int, count: int, spread: float) -> np.ndarray:
     spread=st.floats(1e-3, 1.5),
     speed=st.sampled_from([0.1, 0.5, 1.0]),
 )
-def test_limits_are_kept_and_the_ends_are_at_rest(seed: int, count: int, spread: float, speed: float) -> None:
+def test_limits_are_kept_and_the_ends_are_at_rest(seed, count, spread, speed):
     arm, path = robot("panda"), random_path(seed, count, spread)
     found = retime(arm, path, speed)
     assert np.array_equal(found.positions[0], path[0])
@@ -30,14 +30,14 @@ def test_limits_are_kept_and_the_ends_are_at_rest(seed: int, count: int, spread:
     assert (change <= speed**2 * arm.acceleration * 1.01 + 1e-9).all()
 
 
-def test_velocities_are_the_slopes_of_the_positions() -> None:
+def test_velocities_are_the_slopes_of_the_positions():
     found = retime(robot("panda"), random_path(0, 2, 1.0))
     slopes = np.diff(found.positions, axis=0) / np.diff(found.times)[:, None]
     means = (found.velocities[1:] + found.velocities[:-1]) / 2
     assert np.abs(slopes - means).max() < 0.02
 
 
-def test_every_sample_lies_on_the_path() -> None:
+def test_every_sample_lies_on_the_path():
     path = random_path(3, 5, 0.8)
     found = retime(robot("panda"), path, 1.0)
     starts, ways = path[:-1], np.diff(path, axis=0)
@@ -47,13 +47,13 @@ def test_every_sample_lies_on_the_path() -> None:
         assert np.linalg.norm(starts + t[:, None] * ways - q, axis=1).min() < 1e-9
 
 
-def test_a_faster_share_takes_less_time() -> None:
+def test_a_faster_share_takes_less_time():
     arm, path = robot("panda"), random_path(1, 4, 1.0)
     fast, fair, slow = (retime(arm, path, share).times[-1] for share in (1.0, 0.5, 0.2))
     assert fast < fair < slow
 
 
-def test_a_path_that_goes_nowhere_takes_no_time() -> None:
+def test_a_path_that_goes_nowhere_takes_no_time():
     arm = robot("panda")
     for path in (arm.home[None], np.array([arm.home, arm.home])):
         found = retime(arm, path)
@@ -61,7 +61,7 @@ def test_a_path_that_goes_nowhere_takes_no_time() -> None:
         assert found.positions.shape == (1, 7)
 
 
-def test_a_trajectory_cannot_be_written_to() -> None:
+def test_a_trajectory_cannot_be_written_to():
     found = retime(robot("panda"), random_path(1, 4, 1.0))
     with pytest.raises(ValueError, match="read-only"):
         found.positions[0] = 1.0

@@ -38,7 +38,7 @@ def changed(made: Plan, change: Any) -> Plan:
 
 
 @pytest.mark.parametrize("how", list(WAYS))
-def test_both_blocks_go_there_and_every_check_holds(how: Away, made: dict[Away, Plan]) -> None:
+def test_both_blocks_go_there_and_every_check_holds(how, made):
     found = made[how]
     assert [step.object for step in found.steps] == ["upper", "lower"]
     assert [step.placement.how for step in found.steps] == [how, how]
@@ -49,14 +49,14 @@ def test_both_blocks_go_there_and_every_check_holds(how: Away, made: dict[Away, 
     assert found.away is not None and found.away.how == how and found.certified
 
 
-def test_what_is_lifted_or_held_out_stays_in_the_hand(made: dict[Away, Plan]) -> None:
+def test_what_is_lifted_or_held_out_stays_in_the_hand(made):
     for how in (Away.LIFT, Away.HAND_OVER):
         for step in made[how].steps:
             assert [part.kind for part in step.segments][-1] == SegmentKind.TRANSFER
             assert step.segments[-1].holding == step.object
 
 
-def test_a_lift_that_ends_lower_is_too_near(made: dict[Away, Plan]) -> None:
+def test_a_lift_that_ends_lower_is_too_near(made):
     def lower(document: dict[str, Any]) -> None:
         last = document["steps"][0]["segments"][-1]["motion"]
         for key in ("times", "positions", "velocities"):
@@ -66,7 +66,7 @@ def test_a_lift_that_ends_lower_is_too_near(made: dict[Away, Plan]) -> None:
     assert HANDED_ON in {proof.what for proof in checked.refuted}
 
 
-def test_a_box_that_stands_elsewhere_catches_nothing(made: dict[Away, Plan]) -> None:
+def test_a_box_that_stands_elsewhere_catches_nothing(made):
     def aside(document: dict[str, Any]) -> None:
         walls = next(thing for thing in document["objects"] if thing["name"] == BODIES[Away.BIN])
         walls["parts"] = [[[x + 0.6, y, z] for x, y, z in part] for part in walls["parts"]]
@@ -75,7 +75,7 @@ def test_a_box_that_stands_elsewhere_catches_nothing(made: dict[Away, Plan]) -> 
     assert "it stays there" in {proof.what for proof in checked.refuted}
 
 
-def test_places_beside_what_is_vouched_for_are_refuted(made: dict[Away, Plan]) -> None:
+def test_places_beside_what_is_vouched_for_are_refuted(made):
     def aside(key: str, by: float) -> Any:
         def change(document: dict[str, Any]) -> None:
             document["away"][key][0][3] += by
@@ -87,7 +87,7 @@ def test_places_beside_what_is_vouched_for_are_refuted(made: dict[Away, Plan]) -
         assert {proof.what for proof in checked.refuted} == {HANDED_ON}
 
 
-def test_a_step_that_goes_elsewhere_than_the_plan_says_is_no_plan(made: dict[Away, Plan]) -> None:
+def test_a_step_that_goes_elsewhere_than_the_plan_says_is_no_plan(made):
     def table(document: dict[str, Any]) -> None:
         document["steps"][-1]["placement"]["how"] = ""
 
@@ -100,7 +100,7 @@ def test_a_step_that_goes_elsewhere_than_the_plan_says_is_no_plan(made: dict[Awa
         changed(made[Away.LIFT], unknown)
 
 
-def test_what_went_onto_the_area_is_in_the_way_of_the_next(made: dict[Away, Plan]) -> None:
+def test_what_went_onto_the_area_is_in_the_way_of_the_next(made):
     first, second = (np.array(step.placement.pose_before_to_after) for step in made[Away.ZONE].steps)
     middles = [SCENE.clouds[name].mean(axis=0) for name in ("upper", "lower")]
     there = [
@@ -121,11 +121,11 @@ def test_what_went_onto_the_area_is_in_the_way_of_the_next(made: dict[Away, Plan
         (("zone", 0.1, 0.1, 0.1, 0.4), "has no room"),
     ],
 )
-def test_what_is_no_place_is_refused(words: Any, match: str) -> None:
+def test_what_is_no_place_is_refused(words, match):
     with pytest.raises(InvalidInput, match=match):
         Destination.of(words)
 
 
-def test_a_box_in_what_is_seen_is_refused() -> None:
+def test_a_box_in_what_is_seen_is_refused():
     with pytest.raises(InvalidInput, match="away bin: it stands in what is seen"):
         plan(SCENE, ["lower"], "panda", base=BASE, away=("bin", 0.5, 0.0, 0.0, 0.0, 0.4, 0.3, 0.2))

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from moving import at
 from scipy.spatial.transform import Rotation
 
 from topple.planner.placement.drops import standing, staying
@@ -33,12 +34,10 @@ def standing_parts(body: Body, x: float = 0.0) -> list[np.ndarray]:
 
 
 def shifted(x: float, z: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[0, 3], pose[2, 3] = x, z
-    return pose
+    return at(x, 0.0, z)
 
 
-def test_a_dropped_box_stands_on_what_is_below_and_the_fall_can_be_repeated() -> None:
+def test_a_dropped_box_stands_on_what_is_below_and_the_fall_can_be_repeated():
     cube = box("cube", (0.05, 0.05, 0.05))
     bodies = {"cube": standing_parts(cube), "base": standing_parts(box("base", (0.1, 0.1, 0.04)), 0.3)}
     drops = Sandbox().fill("cube", bodies, UP)
@@ -48,7 +47,7 @@ def test_a_dropped_box_stands_on_what_is_below_and_the_fall_can_be_repeated() ->
     assert np.allclose(first, second, atol=1e-4)
 
 
-def test_what_is_let_go_over_a_rim_does_not_stay_and_in_the_middle_it_does() -> None:
+def test_what_is_let_go_over_a_rim_does_not_stay_and_in_the_middle_it_does():
     dish, fruit = bowl(), lemon()
     table = np.stack(np.meshgrid(np.arange(-0.4, 0.8, 0.01), np.arange(-0.4, 0.4, 0.01)), -1).reshape(-1, 2)
     ground = np.column_stack([table, np.zeros(len(table))])
@@ -69,7 +68,7 @@ def test_what_is_let_go_over_a_rim_does_not_stay_and_in_the_middle_it_does() -> 
     )
 
 
-def test_what_would_tip_over_is_put_down_as_it_comes_to_lie() -> None:
+def test_what_would_tip_over_is_put_down_as_it_comes_to_lie():
     stick = box("stick", (0.02, 0.02, 0.2))
     scene = Scene({"stick": cloud(stick), "table": GROUND}, fixed=["table"], up=UP)
     upright, tilted = shifted(0.1, 0.004), shifted(0.1, 0.03)
@@ -82,7 +81,7 @@ def test_what_would_tip_over_is_put_down_as_it_comes_to_lie() -> None:
     assert abs(float(lies.pose_before_to_after[:3, :3][2, 2])) < 0.1
 
 
-def test_what_tips_from_how_it_is_now_may_be_let_go_so_where_no_hand_gets_down_with_it_lying() -> None:
+def test_what_tips_from_how_it_is_now_may_be_let_go_so_where_no_hand_gets_down_with_it_lying():
     pole = box("pole", (0.004, 0.02, 0.2))
     scene = Scene({"pole": cloud(pole), "table": GROUND}, fixed=["table"], up=UP)
     leaning = shifted(0.1, 0.005)
@@ -96,9 +95,7 @@ def test_what_tips_from_how_it_is_now_may_be_let_go_so_where_no_hand_gets_down_w
 
 
 @pytest.mark.parametrize("engine", INSTALLED)
-def test_drops_are_rehearsed_on_whatever_engine_is_installed(
-    engine: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_drops_are_rehearsed_on_whatever_engine_is_installed(engine, monkeypatch):
     worlds: list[PhysicalWorld] = []
 
     def watched() -> PhysicalWorld:

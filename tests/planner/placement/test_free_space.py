@@ -56,7 +56,7 @@ def level(space: FreeSpace) -> FloatArray:
     return np.stack(level_axes(space.normal))
 
 
-def test_an_empty_table_is_free_but_for_its_edge() -> None:
+def test_an_empty_table_is_free_but_for_its_edge():
     (space,) = spaces({})
     assert (space.owner, space.cell) == ("table", CELL)
     assert space.height == pytest.approx(0.0, abs=1e-9)
@@ -70,26 +70,26 @@ def test_an_empty_table_is_free_but_for_its_edge() -> None:
     assert not space.ways.any()
 
 
-def test_what_stands_on_the_table_is_as_far_as_it_is() -> None:
+def test_what_stands_on_the_table_is_as_far_as_it_is():
     (space,) = spaces({"block": block(0.1, 0.05, 0.1, 0.08)})
     assert at(space, 0.1, 0.05) == 0.0
     assert at(space, 0.1, 0.05 + 0.05 + 0.06) == pytest.approx(0.06, abs=1.5 * CELL)
     assert at(space, 0.1 - 0.05 - 0.1, 0.05) == pytest.approx(0.1, abs=1.5 * CELL)
 
 
-def test_what_is_to_be_moved_leaves_its_place_free() -> None:
+def test_what_is_to_be_moved_leaves_its_place_free():
     bodies = {"block": block(0.1, 0.05, 0.1, 0.08)}
     (left_out,), (empty,) = spaces(bodies, leave_out=["block"]), spaces({})
     assert np.array_equal(left_out.distance, empty.distance)
 
 
-def test_a_place_to_keep_free_is_not_free() -> None:
+def test_a_place_to_keep_free_is_not_free():
     (space,) = spaces({}, avoid=[block(-0.1, 0.1, 0.06, 0.05)[0]])
     assert at(space, -0.1, 0.1) == 0.0
     assert at(space, -0.1, 0.1 - 0.03 - 0.05) == pytest.approx(0.05, abs=1.5 * CELL)
 
 
-def test_half_an_open_hand_around_what_is_still_to_be_taken_is_on_its_way_out() -> None:
+def test_half_an_open_hand_around_what_is_still_to_be_taken_is_on_its_way_out():
     reach = PLACEMENT_TOLERANCES.good_gap
     (space,) = spaces({"block": block(0.0, 0.0, 0.06, 0.05)}, remaining=["block"])
     assert space.ways[cell_of(space, 0.0, 0.0)]
@@ -100,7 +100,7 @@ def test_half_an_open_hand_around_what_is_still_to_be_taken_is_on_its_way_out() 
 
 
 @pytest.mark.parametrize(("tall", "free"), [(0.05, True), (0.15, False)])
-def test_below_a_board_it_is_free_for_what_fits_with_a_hand(tall: float, free: bool) -> None:
+def test_below_a_board_it_is_free_for_what_fits_with_a_hand(tall, free):
     low = 0.05 + PLACEMENT_TOLERANCES.headroom + 0.05
     x, y = np.meshgrid(np.arange(-0.1, 0.11, 0.01), np.arange(-0.1, 0.11, 0.01))
     board = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, low)])
@@ -112,11 +112,11 @@ def test_below_a_board_it_is_free_for_what_fits_with_a_hand(tall: float, free: b
     assert (at(below, 0.0, 0.0) > 0.0) is free
 
 
-def test_a_scene_without_a_fixed_surface_has_no_free_space() -> None:
+def test_a_scene_without_a_fixed_surface_has_no_free_space():
     assert spaces({"block": block(0.0, 0.0, 0.06, 0.05)}, fixed=()) == ()
 
 
-def test_what_covers_some_cells_has_the_least_distance_of_them_and_none_beyond_the_map() -> None:
+def test_what_covers_some_cells_has_the_least_distance_of_them_and_none_beyond_the_map():
     (space,) = spaces({"block": block(0.1, 0.05, 0.1, 0.08)}, remaining=["block"])
     covered = np.array([[0, 0], [1, 0], [0, -2]])
     cells = np.argwhere(space.distance > 0.05)[::37]
@@ -130,7 +130,7 @@ def test_what_covers_some_cells_has_the_least_distance_of_them_and_none_beyond_t
     assert corner.tolist() == [0.0]
 
 
-def test_a_turned_world_has_the_same_free_space() -> None:
+def test_a_turned_world_has_the_same_free_space():
     c, s = np.cos(0.7), np.sin(0.7)
     turn = np.array([[1.0, 0, 0], [0, c, -s], [0, s, c]])
     solids = {"table": block(0.0, 0.0, 2 * HALF, -0.02), "block": block(0.1, 0.05, 0.1, 0.08)}

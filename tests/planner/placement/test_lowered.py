@@ -28,7 +28,7 @@ def height_beside(points: np.ndarray) -> float:
     return float(place.pose_at_rest(UP)[2, 3])
 
 
-def test_a_thing_among_the_points_of_a_table_is_something_to_lie_on() -> None:
+def test_a_thing_among_the_points_of_a_table_is_something_to_lie_on():
     level = np.column_stack([np.tile(np.arange(5), 5), np.repeat(np.arange(5), 5)]) * 0.004
     tile = np.column_stack([level[:, 0] + 0.19, level[:, 1], np.full(25, 0.02)])
     free = height_beside(np.zeros((0, 3)))

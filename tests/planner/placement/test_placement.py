@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from on_table import table
 
 from topple.planner.placement.placement import placements
 from topple.planner.placement.resting import resting_poses
@@ -27,17 +28,14 @@ def tilted(body: Body, angle: float, lift: float = 0.0, aside: float = 0.0) -> n
 
 
 def on_table(size: float = 0.5, **clouds: np.ndarray) -> Scene:
-    axis = np.arange(-size, size, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-    return Scene({"table": table, **clouds}, fixed=["table"], up=UP)
+    return Scene({"table": table(size), **clouds}, fixed=["table"], up=UP)
 
 
 def after(scene: Scene, name: str, pose: np.ndarray) -> np.ndarray:
     return scene.clouds[name] @ pose[:3, :3].T + pose[:3, 3]
 
 
-def test_placed_things_stand_just_above_the_table_and_off_everything() -> None:
+def test_placed_things_stand_just_above_the_table_and_off_everything():
     scene = on_table(can=tilted(can(), 0.0), box=tilted(box(), 0.0, aside=0.15))
     found = placements("can", scene)
     assert found
@@ -48,7 +46,7 @@ def test_placed_things_stand_just_above_the_table_and_off_everything() -> None:
         assert gaps.min() > 0.02
 
 
-def test_poses_are_rigid() -> None:
+def test_poses_are_rigid():
     scene = on_table(can=tilted(can(), 0.4))
     found = placements("can", scene)
     assert len(found) > 5
@@ -58,20 +56,20 @@ def test_poses_are_rigid() -> None:
         assert np.linalg.det(rotation) == pytest.approx(1.0)
 
 
-def test_a_tilted_can_is_put_upright_when_that_is_nearer() -> None:
+def test_a_tilted_can_is_put_upright_when_that_is_nearer():
     cloud = tilted(can(), 0.35)
     rest = resting_poses(cloud, [cloud], UP)[0]
     assert rest.turn == pytest.approx(0.35, abs=0.06)
 
 
-def test_a_spoon_tilted_over_a_rim_is_put_down_flat() -> None:
+def test_a_spoon_tilted_over_a_rim_is_put_down_flat():
     cloud = tilted(spoon(), 0.2, lift=0.01)
     rest = resting_poses(cloud, [cloud], UP)[0]
     turned = cloud @ rest.rotation.T
     assert np.ptp(turned[:, 2]) < 0.7 * np.ptp(cloud[:, 2])
 
 
-def test_places_keep_within_the_reach_of_the_arm() -> None:
+def test_places_keep_within_the_reach_of_the_arm():
     scene = on_table(can=tilted(can(), 0.0))
     base = np.eye(4)
     base[0, 3] = -0.5
@@ -83,17 +81,17 @@ def test_places_keep_within_the_reach_of_the_arm() -> None:
     assert 0.25 < min(away) and max(away) < 0.75
 
 
-def test_no_room_gives_no_placement() -> None:
+def test_no_room_gives_no_placement():
     assert placements("can", on_table(0.2, can=tilted(can(), 0.0)))
     assert placements("can", on_table(0.08, can=tilted(can(), 0.0))) == []
 
 
-def test_an_unknown_object_is_named() -> None:
+def test_an_unknown_object_is_named():
     with pytest.raises(UnknownObject, match="cup"):
         placements("cup", on_table(can=tilted(can(), 0.0)))
 
 
-def test_a_block_stands_on_another_one() -> None:
+def test_a_block_stands_on_another_one():
     block = box("block", (0.05, 0.05, 0.05))
     scene = on_table(a=tilted(block, 0.0), b=tilted(block, 0.0, aside=0.2))
     best = placements_on("a", scene, "b")[0]
@@ -102,7 +100,7 @@ def test_a_block_stands_on_another_one() -> None:
     assert 0.05 <= cloud[:, 2].min() < 0.06
 
 
-def test_a_lemon_goes_into_a_bowl() -> None:
+def test_a_lemon_goes_into_a_bowl():
     scene = on_table(lemon=tilted(lemon(), 0.0), bowl=tilted(bowl(), 0.0, aside=0.25))
     best = placements_on("lemon", scene, "bowl", "within")[0]
     cloud = after(scene, "lemon", best.pose_before_to_after)
@@ -111,7 +109,7 @@ def test_a_lemon_goes_into_a_bowl() -> None:
 
 
 @pytest.mark.slow
-def test_a_can_does_not_stand_on_a_narrow_ridge() -> None:
+def test_a_can_does_not_stand_on_a_narrow_ridge():
     def upright(width: float) -> int:
         ridge = box("ridge", (0.20, width, 0.12))
         scene = on_table(can=tilted(can(), 0.0), ridge=tilted(ridge, 0.0, aside=0.25))
@@ -121,7 +119,7 @@ def test_a_can_does_not_stand_on_a_narrow_ridge() -> None:
     assert upright(0.008) == 0
 
 
-def test_an_unseen_underside_is_filled_down_to_what_carries() -> None:
+def test_an_unseen_underside_is_filled_down_to_what_carries():
     top = tilted(box("box", (0.1, 0.1, 0.06)), 0.0)
     top = top[top[:, 2] > 0.055]
     scene = on_table(box=top)
@@ -129,11 +127,11 @@ def test_an_unseen_underside_is_filled_down_to_what_carries() -> None:
     assert min(float(part[:, 2].min()) for part in solids_of(scene)["box"]) == pytest.approx(0.0, abs=0.005)
 
 
-def test_a_spoon_that_touches_the_table_at_one_end_hides_nothing() -> None:
+def test_a_spoon_that_touches_the_table_at_one_end_hides_nothing():
     assert hidden_depth("spoon", on_table(spoon=tilted(spoon(), 0.2)), UP) == 0.0
 
 
-def test_a_noisy_table_is_a_slab_whose_top_is_its_plane() -> None:
+def test_a_noisy_table_is_a_slab_whose_top_is_its_plane():
     scene = on_table(can=tilted(can(), 0.0))
     noisy = scene.clouds["table"] + np.random.default_rng(0).normal(0.0, 0.002, scene.clouds["table"].shape)
     found = tops_of(noisy, UP)
@@ -143,7 +141,7 @@ def test_a_noisy_table_is_a_slab_whose_top_is_its_plane() -> None:
     assert abs(slab[:, 2].max()) < 2e-3
 
 
-def test_a_can_that_lies_is_stood_up_and_only_then_laid_on_its_round_side() -> None:
+def test_a_can_that_lies_is_stood_up_and_only_then_laid_on_its_round_side():
     cloud = tilted(can(), 1.35)
     rests = resting_poses(cloud, [cloud], UP)
     assert not rests[0].rolls
@@ -154,7 +152,7 @@ def test_a_can_that_lies_is_stood_up_and_only_then_laid_on_its_round_side() -> N
     assert any(rest.rolls and rest.barrier < 0.001 for rest in rests)
 
 
-def test_what_cannot_roll_comes_first_of_all_placements() -> None:
+def test_what_cannot_roll_comes_first_of_all_placements():
     rolls = [place.rolls for place in placements("can", on_table(can=tilted(can(), 1.35)))]
     assert not rolls[0]
     assert rolls == sorted(rolls)
@@ -165,7 +163,7 @@ def beside(size: float, aside: float) -> Scene:
     return on_table(size, can=tilted(can(), 0.0, aside=-aside), box=block)
 
 
-def test_places_keep_off_the_way_out_of_what_is_still_to_be_taken() -> None:
+def test_places_keep_off_the_way_out_of_what_is_still_to_be_taken():
     scene = beside(0.24, 0.1)
     block = scene.clouds["box"][::10, None, :2]
 
@@ -178,12 +176,12 @@ def test_places_keep_off_the_way_out_of_what_is_still_to_be_taken() -> None:
     assert nearest(("box",)) > 0.09  # half an open hand's width, less a cell
 
 
-def test_where_all_room_is_on_a_way_out_there_is_none() -> None:
+def test_where_all_room_is_on_a_way_out_there_is_none():
     assert placements("can", beside(0.15, 0.06))
     assert placements("can", beside(0.15, 0.06), remaining=("box",)) == []
 
 
-def test_a_wall_has_no_top_and_is_filled_all_the_same() -> None:
+def test_a_wall_has_no_top_and_is_filled_all_the_same():
     across, up = np.meshgrid(np.arange(-0.3, 0.3, 0.005), np.arange(0.0, 0.3, 0.005))
     wall = np.stack([np.full(across.size, 0.4), across.ravel(), up.ravel()], axis=1)
     assert tops_of(wall, UP).tops == ()

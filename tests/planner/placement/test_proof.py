@@ -5,6 +5,8 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
+from moving import at
+from on_table import BASE
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.grasp import grasp_candidates
@@ -24,8 +26,6 @@ from topple.topology.situation.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 SLAB = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 
 
 def peg() -> Body:
@@ -54,9 +54,7 @@ def dropped() -> Plan:
 
 
 def raised(x: float, z: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[0, 3], pose[2, 3] = x, z
-    return pose
+    return at(x, 0.0, z)
 
 
 def on_table(body: Body) -> list[np.ndarray]:
@@ -71,7 +69,7 @@ def known(bodies: Solids, whole: Solids | None = None) -> Situation:
     )
 
 
-def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not() -> None:
+def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not():
     cube, pole = box("cube", (0.05, 0.05, 0.05)), peg()
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
     for body, stays in ((cube, True), (pole, False)):
@@ -82,7 +80,7 @@ def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not() -> None:
         assert (proof.settled(place).turn > 1.0) is not stays
 
 
-def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it() -> None:
+def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it():
     seen, whole = on_table(peg()), on_table(box("box", (0.04, 0.04, 0.16)))
     bodies = {"thing": seen, "table": [SLAB]}
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
@@ -91,14 +89,14 @@ def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it() ->
     assert not proof.holds(replace(place, into="table", rest="on table"))
 
 
-def test_what_stays_nowhere_is_no_plan_and_the_reason_says_so() -> None:
+def test_what_stays_nowhere_is_no_plan_and_the_reason_says_so():
     best = grasp_candidates("peg", with_peg(), robot("panda"))[:1]
     with pytest.raises(NoSafePlan, match="would not stay as it is let go there, and no drop is allowed"):
         plan(with_peg(), ["peg"], "panda", base=BASE, grasps=best)
 
 
 @pytest.mark.slow
-def test_an_allowed_drop_is_said_by_its_step_and_told_by_the_check(dropped: Plan) -> None:
+def test_an_allowed_drop_is_said_by_its_step_and_told_by_the_check(dropped):
     (step,) = dropped.steps
     assert step.placement.falls and "let go to fall" in step.reason
     checked = plan_from_json(plan_to_json(dropped)).verify(with_peg())
@@ -107,7 +105,7 @@ def test_an_allowed_drop_is_said_by_its_step_and_told_by_the_check(dropped: Plan
     assert checked.to_json()["allowed"] == list(checked.allowed)
 
 
-def test_the_same_drop_is_refuted_where_its_step_does_not_say_so(dropped: Plan) -> None:
+def test_the_same_drop_is_refuted_where_its_step_does_not_say_so(dropped):
     (step,) = dropped.steps
     silent = msgspec.structs.replace(step.placement, falls=False)
     claimed = msgspec.structs.replace(dropped, steps=[msgspec.structs.replace(step, placement=silent)])
@@ -116,7 +114,7 @@ def test_the_same_drop_is_refuted_where_its_step_does_not_say_so(dropped: Plan) 
     assert checked["turn after letting go"] > 0.5
 
 
-def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands() -> None:
+def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands():
     carton = on_table(box("carton", (0.08, 0.05, 0.2)))
     corners = np.vstack(carton)
     tip = corners[:, 2] < 0.01
@@ -134,7 +132,7 @@ def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands() -> None:
         assert proof.holds(place) is stays
 
 
-def test_round_and_leaning_bodies_and_what_never_moves_get_no_foot() -> None:
+def test_round_and_leaning_bodies_and_what_never_moves_get_no_foot():
     slope = np.array([[np.cos(0.3), 0.0, np.sin(0.3)], [0.0, 1.0, 0.0], [-np.sin(0.3), 0.0, np.cos(0.3)]])
     bodies = {
         "orange": on_table(orange("orange")),

@@ -33,32 +33,32 @@ BAR = _block((0, 0), (0.2, 0.04, 0.04))
 LEFT, RIGHT = (_block((0, side * 0.05), (0.3, 0.05, 0.12)) for side in (-1, 1))
 
 
-def test_a_bar_that_stands_free_is_barred_by_nobody() -> None:
+def test_a_bar_that_stands_free_is_barred_by_nobody():
     assert order(_scene(bar=BAR), "bar", robot="panda").access == ()
 
 
-def test_who_stands_so_close_that_no_finger_fits_is_named() -> None:
+def test_who_stands_so_close_that_no_finger_fits_is_named():
     (bar,) = order(_scene(bar=BAR, left=LEFT), "bar", robot="panda").access
     assert (bar["first"], bar["then"]) == ("left", "bar")
     assert "leaves the hand no room" in bar["reason"]
 
 
 @pytest.mark.slow
-def test_both_are_named_where_only_together_they_leave_room() -> None:
+def test_both_are_named_where_only_together_they_leave_room():
     found = order(_scene(bar=BAR, left=LEFT, right=RIGHT), "bar", robot="panda")
     assert {bar["first"] for bar in found.access} <= {"left", "right"}
     assert len(found.access) >= 1
     assert found.order == ("bar",)  # nobody would move: no dependency
 
 
-def test_what_no_hand_can_hold_is_said() -> None:
+def test_what_no_hand_can_hold_is_said():
     found = order(_scene(slab=_block((0, 0), (0.18, 0.18, 0.05))), "slab", robot="panda")
     assert found.access == ()
     assert any("finds no grasp of slab" in text for text in found.assumptions)
 
 
 @pytest.mark.parametrize("robot", [None, "panda"])
-def test_access_stands_in_the_document(robot: str | None) -> None:
+def test_access_stands_in_the_document(robot):
     document = order(_scene(bar=BAR, left=LEFT), "bar", robot=robot).to_json()
     assert document["access"] == (
         []

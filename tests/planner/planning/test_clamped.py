@@ -1,14 +1,12 @@
 """A fixture keeps things where they stand until they are taken: in graphs, orders, plans and their checks."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from on_table import balance, on_table
 
 from topple.planner import NoSafePlan, order, plan
-from topple.planner.cli.main import main
 from topple.planner.decide.dependency import dependencies, with_fixture
 from topple.planner.planning.plan_format import Plan, plan_from_json, plan_to_json
 from topple.robots.shapes import box
@@ -27,7 +25,7 @@ def edges(clamps: frozenset[str]) -> set[tuple[str, str]]:
     return {(edge.first, edge.then) for edge in graph.dependencies}
 
 
-def test_what_is_clamped_falls_no_more_and_what_a_lift_meets_still_has_to_go() -> None:
+def test_what_is_clamped_falls_no_more_and_what_a_lift_meets_still_has_to_go():
     assert {("plank", "weight"), ("weight", "plank"), ("plank", "pier")} <= edges(frozenset())
     kept = edges(frozenset({"plank"}))
     assert ("plank", "weight") not in kept
@@ -35,7 +33,7 @@ def test_what_is_clamped_falls_no_more_and_what_a_lift_meets_still_has_to_go() -
     assert edges(frozenset({"weight"})) >= {("plank", "weight")}, "it lets go of what is taken itself"
 
 
-def test_what_stands_on_what_is_clamped_stays_with_it() -> None:
+def test_what_stands_on_what_is_clamped_stays_with_it():
     scene = on_table(
         (box("pier", (0.06, 0.1, 0.1)), (0.0, 0.0, 0.0)),
         (box("plank", (0.3, 0.06, 0.02)), (0.11, 0.0, 0.1)),
@@ -50,13 +48,13 @@ def test_what_stands_on_what_is_clamped_stays_with_it() -> None:
     assert kept.between("cup", "plank") is not None
 
 
-def test_a_step_carries_no_risk_of_what_is_clamped() -> None:
+def test_a_step_carries_no_risk_of_what_is_clamped():
     with_it, without = order(balance(), "plank", clamped="plank"), order(balance(), "plank")
     assert with_it.order == ("weight", "plank") and not with_it.groups
     assert with_it.risk["weight"] < 0.1 < without.risk["weight"]
 
 
-def test_a_plan_with_a_fixture_needs_no_second_hand(clamped: Plan) -> None:
+def test_a_plan_with_a_fixture_needs_no_second_hand(clamped):
     with pytest.raises(NoSafePlan, match="hold the one while the other goes"):
         plan(balance(), "free plank", "panda")
     assert clamped.order == ["weight", "plank"]
@@ -66,7 +64,7 @@ def test_a_plan_with_a_fixture_needs_no_second_hand(clamped: Plan) -> None:
     assert "a fixture keeps plank where it stands until it is taken" in clamped.assumptions
 
 
-def test_it_is_verified_with_its_fixture_and_refuted_without(clamped: Plan) -> None:
+def test_it_is_verified_with_its_fixture_and_refuted_without(clamped):
     document = json.loads(plan_to_json(clamped))
     found = plan_from_json(json.dumps(document)).verify(balance())
     assert found.ok
@@ -76,7 +74,7 @@ def test_it_is_verified_with_its_fixture_and_refuted_without(clamped: Plan) -> N
     assert "dependencies of the scene broken" in {each.name for each in failed}
 
 
-def test_a_fixture_at_what_is_not_there_is_refused(clamped: Plan) -> None:
+def test_a_fixture_at_what_is_not_there_is_refused(clamped):
     for ask in (
         lambda: order(balance(), clamped="shelf"),
         lambda: plan(balance(), "free plank", "panda", clamped="shelf"),
@@ -89,11 +87,10 @@ def test_a_fixture_at_what_is_not_there_is_refused(clamped: Plan) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_takes_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_takes_it(tmp_path, typed):
     scene, place, out = balance(), tmp_path / "balance.npz", tmp_path / "plan.json"
     masses = json.dumps(dict(scene.masses))
     np.savez(place, **scene.clouds, up=[0, 0, 1], fixed=["table"], masses=masses)
     asked = ["plan", str(place), "--target", "plank", "--verify", "-o", str(out)]
-    assert main([*asked, "--clamped", "plank"]) == 0
-    assert "Allowed: a fixture keeps plank" in capsys.readouterr().out
+    assert "Allowed: a fixture keeps plank" in typed(*asked, "--clamped", "plank").out
     assert json.loads(out.read_text())["clamped"] == ["plank"]

@@ -62,7 +62,7 @@ class Watched:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(SEEDS))
 @pytest.mark.parametrize("name", list(SCENARIOS))
-def test_the_orders_and_the_plan_of_a_demo_do_not_contradict_themselves(name: str, seed: int) -> None:
+def test_the_orders_and_the_plan_of_a_demo_do_not_contradict_themselves(name, seed):
     with scenario(name, seed) as stage:
         loop = loop_in(stage, seed=seed)
         scene, watched = loop.look().scene, Watched(loop.task, math.inf if seed < WHOLE else 1)
@@ -89,20 +89,20 @@ FOUND = Order(
 )  # fmt: skip
 
 
-def test_what_the_arm_takes_first_is_the_first_of_its_order_and_told_so() -> None:
+def test_what_the_arm_takes_first_is_the_first_of_its_order_and_told_so():
     found = FOUND.as_taken(("left", "top", "low"))
     assert contradictions(found.to_json(), ["left"]) == []
     assert [line.partition(":")[0] for line in found.explanation] == ["1. left", "2. top", "3. low"]
     assert [name for name, _ in order_in_words(found.to_json())] == ["left", "top", "low"]
 
 
-def test_what_is_taken_is_no_longer_in_what_is_left() -> None:
+def test_what_is_taken_is_no_longer_in_what_is_left():
     left = FOUND.as_taken(("low",)).to_json()
     assert left["order"] == ["low"] and left["dependencies"] == left["holds"] == []
     assert left["risk"] == {"low": 0.3}
 
 
-def test_what_is_left_of_a_group_is_one_while_it_holds_itself() -> None:
+def test_what_is_left_of_a_group_is_one_while_it_holds_itself():
     pairs = (("weight", "plank"), ("plank", "weight"), ("load", "plank"), ("plank", "load"))
     graph = DependencyGraph(("weight", "load", "plank"), tuple(Dependency(*p, "leaning", 0.8) for p in pairs))
     found = replace(FOUND, order=graph.names, graph=graph, groups=(graph.names,), holds=())
@@ -111,11 +111,11 @@ def test_what_is_left_of_a_group_is_one_while_it_holds_itself() -> None:
     assert found.as_taken(("plank",)).to_json()["groups"] == []
 
 
-def test_badges_count_the_moves_of_what_makes_room() -> None:
+def test_badges_count_the_moves_of_what_makes_room():
     assert places({"order": ["cup", "plate", "cup", "fork"]}) == {"cup": 1, "plate": 2, "fork": 4}
 
 
-def test_a_document_against_itself_is_found() -> None:
+def test_a_document_against_itself_is_found():
     edge = {"first": "top", "then": "low"}
     assert contradictions({"order": ["low", "top"], "dependencies": [edge]}, ["low"])
     assert contradictions({"order": ["low"], "dependencies": [edge]}, ["low"])

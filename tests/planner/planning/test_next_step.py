@@ -56,7 +56,7 @@ def taken(step: NextStep | None) -> tuple[str, str]:
     return step.transfer.grasp.object, step.action
 
 
-def test_what_stands_on_a_target_goes_first_and_says_why() -> None:
+def test_what_stands_on_a_target_goes_first_and_says_why():
     step = chooser(STACK, "free low").choose()
     assert taken(step) == ("top", Action.REMOVE)
     assert step.reason.startswith("it has to go before low")
@@ -64,7 +64,7 @@ def test_what_stands_on_a_target_goes_first_and_says_why() -> None:
     assert step.all_fallbacks == ()
 
 
-def test_once_that_is_gone_the_target_is_freed_and_then_nothing_is_left() -> None:
+def test_once_that_is_gone_the_target_is_freed_and_then_nothing_is_left():
     gone = blocks(low=(0.0, 0.0, 0.0), top=(-0.1, -0.25, 0.0), aside=(0.0, 0.2, 0.0))
     now = chooser(gone, "free low", done=[("top", Action.REMOVE)])
     assert now.unmet() == ("low is not free",)
@@ -76,18 +76,18 @@ def test_once_that_is_gone_the_target_is_freed_and_then_nothing_is_left() -> Non
     assert after.choose() is None
 
 
-def test_steps_are_done_until_nothing_is_left_or_there_would_be_too_many() -> None:
+def test_steps_are_done_until_nothing_is_left_or_there_would_be_too_many():
     step, done = chooser(APART, "free red").choose(), list[NextStep]()
     left = iter([step, step, step, None])
     assert not follow(left.__next__, done.append, 1) and done == [step]
     assert follow(left.__next__, done.append, 1) and done == [step, step]
 
 
-def test_a_target_that_stands_on_another_one_is_freed_and_not_just_removed() -> None:
+def test_a_target_that_stands_on_another_one_is_freed_and_not_just_removed():
     assert taken(chooser(STACK, "free low and free top").choose()) == ("top", Action.FREE)
 
 
-def test_what_is_wanted_and_seen_nowhere_is_said_at_once() -> None:
+def test_what_is_wanted_and_seen_nowhere_is_said_at_once():
     goal = parse_goal("free top", STACK)
     with pytest.raises(NoSafePlan, match="top: seen nowhere any more"):
         StepChooser(Situation(STACK.without("top")), goal, Context(STATION)).choose()
@@ -95,13 +95,13 @@ def test_what_is_wanted_and_seen_nowhere_is_said_at_once() -> None:
     assert found.choose() is None, "it was freed: wherever it is now, nothing is missing"
 
 
-def test_what_was_given_up_is_not_tried_and_the_reason_is_in_the_certificate() -> None:
+def test_what_was_given_up_is_not_tried_and_the_reason_is_in_the_certificate():
     with pytest.raises(NoSafePlan) as caught:
         chooser(APART, "free red", given_up={"red": "it slipped twice"}).choose()
     assert any("red" in words and "it slipped twice" in words for words in caught.value.certificate)
 
 
-def test_what_is_to_go_onto_another_thing_is_placed_there() -> None:
+def test_what_is_to_go_onto_another_thing_is_placed_there():
     step = chooser(APART, "red on blue").choose()
     assert taken(step) == ("red", Action.PLACE)
     assert step is not None and step.reason == "it goes on blue"
@@ -111,7 +111,7 @@ def test_what_is_to_go_onto_another_thing_is_placed_there() -> None:
 
 
 @pytest.mark.slow
-def test_a_tower_begins_below_and_goes_on_with_what_is_next() -> None:
+def test_a_tower_begins_below_and_goes_on_with_what_is_next():
     assert taken(chooser(APART, "red on green on blue").choose()) == ("green", Action.PLACE)
     begun = blocks(red=(0.0, 0.0, 0.0), green=(0.0, -0.2, ON), blue=(0.0, -0.2, 0.0))
     step = chooser(begun, "red on green on blue", done=[("green", Action.PLACE)]).choose()
@@ -120,18 +120,18 @@ def test_a_tower_begins_below_and_goes_on_with_what_is_next() -> None:
     assert chooser(built, "red on green on blue").choose() is None
 
 
-def test_what_stands_where_a_thing_shall_be_is_taken_away_first() -> None:
+def test_what_stands_where_a_thing_shall_be_is_taken_away_first():
     scene = blocks(red=(0.0, 0.2, 0.0), blue=(0.0, 0.0, 0.0), other=(0.0, 0.0, ON))
     step = chooser(scene, "red on blue").choose()
     assert taken(step) == ("other", Action.REMOVE)
 
 
-def test_what_stands_on_the_thing_to_be_placed_goes_first() -> None:
+def test_what_stands_on_the_thing_to_be_placed_goes_first():
     scene = blocks(red=(0.0, 0.0, 0.0), other=(0.0, 0.0, ON), blue=(0.0, 0.2, 0.0))
     assert taken(chooser(scene, "red on blue").choose()) == ("other", Action.REMOVE)
 
 
-def test_a_placement_is_made_again_only_where_a_look_shows_that_it_does_not_hold() -> None:
+def test_a_placement_is_made_again_only_where_a_look_shows_that_it_does_not_hold():
     done = [("red", Action.PLACE)]
     assert chooser(APART, "red on blue", done=done, observed=False).choose() is None
     assert chooser(APART, "red on blue", done=done).unmet() == ("red is not on blue",)
@@ -148,7 +148,7 @@ def of_edges(*edges: tuple[str, str]) -> Any:
     return orderer
 
 
-def test_a_cycle_that_an_orderer_leaves_open_ends_the_plan() -> None:
+def test_a_cycle_that_an_orderer_leaves_open_ends_the_plan():
     def orderer(scene: Scene, targets: Sequence[str], **_: object) -> Order:
         return replace(of_edges(("green", "red"))(scene, targets), unresolved=(("red", "green"),))
 
@@ -157,7 +157,7 @@ def test_a_cycle_that_an_orderer_leaves_open_ends_the_plan() -> None:
     assert caught.value.certificate == ("cycle: red before green before red",)
 
 
-def test_an_order_of_what_is_not_there_is_refused_by_name() -> None:
+def test_an_order_of_what_is_not_there_is_refused_by_name():
     def orderer(scene: Scene, targets: Sequence[str], **_: object) -> Order:
         names = (*scene.movable, "ghost")
         graph = DependencyGraph(names, (Dependency("ghost", targets[0], "supported", 1.0),))
@@ -167,14 +167,14 @@ def test_an_order_of_what_is_not_there_is_refused_by_name() -> None:
         chooser(APART, "free red", orderer=orderer).choose()
 
 
-def test_an_orderers_first_that_waits_for_nobody_is_what_is_taken() -> None:
+def test_an_orderers_first_that_waits_for_nobody_is_what_is_taken():
     step = chooser(APART, "free red", orderer=of_edges(("green", "red"), ("blue", "green"))).choose()
     assert taken(step) == ("blue", Action.REMOVE)
     assert step is not None and step.reason == "it has to go before green (rests on it)"
 
 
 @pytest.mark.slow
-def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
+def test_what_bars_the_hand_is_taken_away_once_and_only_once():
     scene = blocks(red=(0.0, 0.0, 0.0))
     wall = box("wall", (0.2, 0.03, 0.15)).surface(4000, np.random.default_rng(1))
     for name, side in (("left", 1), ("right", -1)):
@@ -190,7 +190,7 @@ def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
 
 
 @pytest.mark.slow
-def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:
+def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side():
     rng = np.random.default_rng(0)
     side = np.array([0.05, 0.06, 0.1])
     faces = rng.uniform(0.0, 1.0, (2, 1500, 3))
@@ -206,7 +206,7 @@ def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:
     assert np.degrees(step.transfer.placement.tilt(np.array([0.0, 0.0, 1.0]))) < 10.0
 
 
-def test_what_moved_as_a_target_was_lifted_goes_first() -> None:
+def test_what_moved_as_a_target_was_lifted_goes_first():
     step = chooser(APART, "free red", beliefs=Beliefs(measured=frozenset([("green", "red")]))).choose()
     assert taken(step) == ("green", Action.REMOVE)
     assert step is not None and step.order.order == ("green", "red")
@@ -215,7 +215,7 @@ def test_what_moved_as_a_target_was_lifted_goes_first() -> None:
     assert document["measured"] is True and document["evidence"][0]["swept"] is True
 
 
-def test_what_moved_goes_first_only_where_geometry_lets_it() -> None:
+def test_what_moved_goes_first_only_where_geometry_lets_it():
     against = Beliefs(measured=frozenset([("low", "top")]))
     step = chooser(STACK, "free low", beliefs=against, orderer=cautious).choose()
     assert taken(step) == ("top", Action.REMOVE)

@@ -1,6 +1,5 @@
 """Where to look next: the places that no camera saw, and a view that shows them."""
 
-import json
 import sys
 from pathlib import Path
 
@@ -29,7 +28,7 @@ def hidden() -> Scene:
     return seen(HIDING, np.random.default_rng(1), 1)
 
 
-def test_the_next_view_is_on_the_other_side_of_what_hides(hidden: Scene) -> None:
+def test_the_next_view_is_on_the_other_side_of_what_hides(hidden):
     view = next_view(hidden)
     assert view is not None
     before = EYES[0] - view.target
@@ -45,7 +44,7 @@ def test_the_next_view_is_on_the_other_side_of_what_hides(hidden: Scene) -> None
     assert view.pose_camera_to_scene[2, 1] < 0  # the picture's down is down
 
 
-def test_a_view_turns_with_the_scene(hidden: Scene) -> None:
+def test_a_view_turns_with_the_scene(hidden):
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     shift = np.array([0.4, -0.2, 0.1])
     view, turned = next_view(hidden), next_view(moved(hidden, turn, shift))
@@ -53,23 +52,21 @@ def test_a_view_turns_with_the_scene(hidden: Scene) -> None:
     np.testing.assert_allclose(turned.eye, view.eye @ turn.T + shift, atol=1e-6)
 
 
-def test_where_nothing_is_hidden_no_view_is_worth_a_look() -> None:
+def test_where_nothing_is_hidden_no_view_is_worth_a_look():
     assert next_view(whole(HIDING, np.random.default_rng(1))) is None
 
 
-def test_places_that_are_none_are_refused(hidden: Scene) -> None:
+def test_places_that_are_none_are_refused(hidden):
     with pytest.raises(InvalidInput, match="eyes"):
         next_view(hidden, eyes=np.zeros((2, 2)))
 
 
-def test_the_command_tells_it(hidden: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_tells_it(hidden, tmp_path, typed):
     path = tmp_path / "hidden.npz"
     np.savez(path, **hidden.clouds, fixed=["table"], up=hidden.up, viewpoints=hidden.viewpoints)
-    assert main(["order", str(path), "--next-view", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)["next_view"]
+    told = typed("order", path, "--next-view", "--json").document["next_view"]
     assert 0 < told["worth"] <= 1 and len(told["eye"]) == 3 and told["shows"]
-    assert main(["order", str(path), "--next-view"]) == 0
-    out = " ".join(capsys.readouterr().out.split())
+    out = " ".join(typed("order", path, "--next-view").out.split())
     assert f"Next view: {told['from']}, (" in out and f"Look {told['from']}: where it meets" in out
     assert main(["show", str(path), "-o", str(tmp_path / "page.html")]) == 0
     assert f"Next view: {told['from']}, (" in (tmp_path / "page.html").read_text()
@@ -79,7 +76,7 @@ def test_the_command_tells_it(hidden: Scene, tmp_path: Path, capsys: pytest.Capt
     ("way", "side"),
     [((1, 0.2, 0), "right"), ((-1, 0.2, 0.5), "left"), ((0.1, -1, 0), "front"), ((0.1, 0.2, 2), "above")],
 )
-def test_a_side_is_as_the_camera_has_it(way: tuple[float, float, float], side: str) -> None:
+def test_a_side_is_as_the_camera_has_it(way, side):
     up, right = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
     assert side_of(np.array(way), right, up).endswith(side)
     assert side_of(np.array([0.0, 1.0, 0.0]), right, up) == "from behind"

@@ -34,7 +34,7 @@ def _allowed(graph: DependencyGraph, taken: frozenset[str]) -> bool:
 
 
 @given(graphs(), st.data())
-def test_no_smaller_set_of_removals_frees_the_targets(graph: DependencyGraph, data: st.DataObject) -> None:
+def test_no_smaller_set_of_removals_frees_the_targets(graph, data):
     targets = data.draw(st.lists(st.sampled_from(graph.names), unique=True, min_size=1))
     found = arrange(graph, targets, {})
     assert _allowed(graph, frozenset(found.order))
@@ -53,7 +53,7 @@ def _least(graph: DependencyGraph, target: str) -> int:
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, pytest.param(4, marks=pytest.mark.slow)])
-def test_the_order_is_least_on_every_graph_up_to_four_objects(count: int) -> None:
+def test_the_order_is_least_on_every_graph_up_to_four_objects(count):
     # Of graphs of one shape it is enough to free the first object: the others are other names for it.
     names = NAMES[:count]
     pairs = list(permutations(names, 2))
@@ -64,7 +64,7 @@ def test_the_order_is_least_on_every_graph_up_to_four_objects(count: int) -> Non
 
 
 @pytest.mark.slow
-def test_the_order_is_least_on_every_acyclic_graph_of_five_objects() -> None:
+def test_the_order_is_least_on_every_acyclic_graph_of_five_objects():
     # With its objects named in a possible order, an acyclic graph has edges from earlier to later names only.
     names = NAMES[:5]
     pairs = list(combinations(names, 2))
@@ -79,7 +79,7 @@ def _tops(**heights: float) -> dict[str, np.ndarray]:
     return {name: np.array([0.0, 0.0, height]) for name, height in heights.items()}
 
 
-def test_the_safer_of_two_goes_first_and_then_the_higher() -> None:
+def test_the_safer_of_two_goes_first_and_then_the_higher():
     graph = DependencyGraph(("a", "b", "c"), ())
     tops = _tops(a=0.1, b=0.3, c=0.2)
     assert arrange(graph, (), tops).order == ("b", "c", "a")
@@ -88,14 +88,14 @@ def test_the_safer_of_two_goes_first_and_then_the_higher() -> None:
     assert found.risk["b"] == 0.0
 
 
-def test_the_risk_of_a_step_is_the_chance_that_anything_left_moves() -> None:
+def test_the_risk_of_a_step_is_the_chance_that_anything_left_moves():
     chances = {("b", "a"): 0.5, ("c", "a"): 0.2, ("a", "b"): 0.9, ("a", "c"): 0.9}
     found = arrange(DependencyGraph(("a", "b", "c"), ()), ["a"], {}, chances=chances)
     assert found.order == ("a",)
     assert found.risk["a"] == pytest.approx(1 - 0.5 * 0.8)
 
 
-def test_more_is_taken_where_that_risks_less_and_the_reason_says_so() -> None:
+def test_more_is_taken_where_that_risks_less_and_the_reason_says_so():
     graph = DependencyGraph(("a", "b", "c"), ())
     doubt = {("b", "a"): 0.3, ("c", "a"): 0.02, ("c", "b"): 0.02}
     assert arrange(graph, ["a"], {}, chances=doubt).order == ("a",)
@@ -104,7 +104,7 @@ def test_more_is_taken_where_that_risks_less_and_the_reason_says_so() -> None:
     assert arrange(graph, ["a"], {}, chances=doubt, removal_risk=0.5).order == ("a",)
 
 
-def test_what_earlier_looks_found_weighs_on(tower: Scene) -> None:
+def test_what_earlier_looks_found_weighs_on(tower):
     for wrong in (-0.1, 1.1, float("nan")):
         with pytest.raises(InvalidInput, match=r"removal_risk is .*: expected (a chance from 0 to 1|number)"):
             order(tower, ["top"], removal_risk=wrong)
@@ -114,12 +114,12 @@ def test_what_earlier_looks_found_weighs_on(tower: Scene) -> None:
     assert order(tower, ["top"], removal_risk=0.05, beliefs=past).order == ("aside", "top")
 
 
-def test_of_equally_safe_orders_the_shortest_way_is_taken() -> None:
+def test_of_equally_safe_orders_the_shortest_way_is_taken():
     tops = {name: np.array([x, 0.0, 0.1]) for name, x in (("a", 0.0), ("b", 0.5), ("c", 0.1), ("d", 0.4))}
     assert arrange(DependencyGraph(("a", "b", "c", "d"), ()), (), tops).order == ("a", "c", "d", "b")
 
 
-def test_a_cycle_is_named_with_its_weakest_edge_and_broken_there() -> None:
+def test_a_cycle_is_named_with_its_weakest_edge_and_broken_there():
     edges = (
         Dependency("a", "b", "leaning", 0.9),
         Dependency("b", "a", "supported", 0.5),
@@ -136,7 +136,7 @@ def test_a_cycle_is_named_with_its_weakest_edge_and_broken_there() -> None:
 
 
 @given(graphs())
-def test_nothing_goes_before_what_must_precede_it_but_in_a_cycle(graph: DependencyGraph) -> None:
+def test_nothing_goes_before_what_must_precede_it_but_in_a_cycle(graph):
     found = arrange(graph, (), {})
     assert sorted(found.order) == sorted(graph.names)
     place = {name: i for i, name in enumerate(found.order)}
@@ -148,7 +148,7 @@ def test_nothing_goes_before_what_must_precede_it_but_in_a_cycle(graph: Dependen
 
 
 @given(graphs())
-def test_leaving_out_what_follows_changes_no_ancestor(graph: DependencyGraph) -> None:
+def test_leaving_out_what_follows_changes_no_ancestor(graph):
     reduced = graph.reduced()
     assert all(reduced.before(name) == graph.before(name) for name in graph.names)
 
@@ -173,7 +173,7 @@ def tower() -> Scene:
     return Scene(clouds, fixed=["table"], up=(0, 0, 1))
 
 
-def test_a_tower_comes_down_from_the_top(tower: Scene) -> None:
+def test_a_tower_comes_down_from_the_top(tower):
     found = order(tower, ["low"])
     assert found.order == ("top", "middle", "low")
     assert {(e.first, e.then, e.reason) for e in found.graph.dependencies} == {
@@ -182,28 +182,28 @@ def test_a_tower_comes_down_from_the_top(tower: Scene) -> None:
     assert "rests on" in found.explanation[0]
 
 
-def test_the_document_has_the_contract_keys(tower: Scene) -> None:
+def test_the_document_has_the_contract_keys(tower):
     document = order(tower).to_json()
     assert document["format"] == "topple.order"
     keys = ("targets", "order", "dependencies", "supports", "groups", "unresolved", "risk", "access")
     assert all(key in document for key in keys)
 
 
-def test_targets_are_checked(tower: Scene) -> None:
+def test_targets_are_checked(tower):
     with pytest.raises(UnknownObject, match="aside"):
         order(tower, ["spoon"])
     with pytest.raises(InvalidInput, match="fixed"):
         order(tower, ["table"])
 
 
-def test_without_up_and_without_a_fixed_object() -> None:
+def test_without_up_and_without_a_fixed_object():
     clouds = {"a": _box((0.1, 0.1, 0.1), (0, 0, 0.05))}
     with pytest.raises(InvalidInput, match="up="):
         order(Scene(clouds))
     assert any("no object is fixed" in said for said in order(Scene(clouds, up=(0, 0, 1))).assumptions)
 
 
-def test_the_graph_does_not_depend_on_where_the_scene_lies(tower: Scene) -> None:
+def test_the_graph_does_not_depend_on_where_the_scene_lies(tower):
     c, s = np.cos(0.7), np.sin(0.7)
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]) @ np.array(
         [[1, 0, 0], [0, 0.6, -0.8], [0, 0.8, 0.6]]
@@ -215,13 +215,13 @@ def test_the_graph_does_not_depend_on_where_the_scene_lies(tower: Scene) -> None
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="needs the recorded scenes beside the checkout")
-def test_on_a_real_frame_nothing_goes_before_what_stands_on_it() -> None:
+def test_on_a_real_frame_nothing_goes_before_what_stands_on_it():
     found = order(load_scene(SHARED / "data/rgbd/osd_test47.npz", fixed=["1"]))
     place = {name: i for i, name in enumerate(found.order)}
     assert all(place[a] < place[b] for a, b in (("7", "3"), ("5", "4"), ("6", "4"), ("6", "3")))
 
 
-def test_an_object_sunk_into_the_table_is_said() -> None:
+def test_an_object_sunk_into_the_table_is_said():
     rng = np.random.default_rng(3)
     box = rng.uniform(0.0, 0.1, (2000, 3))
     box[np.arange(2000), rng.integers(3, size=2000)] = rng.choice([0.0, 0.1], 2000)
@@ -240,7 +240,7 @@ def test_an_object_sunk_into_the_table_is_said() -> None:
 
 @pytest.mark.parametrize("change", [name for name in CHANGES if "ball" not in name])
 @pytest.mark.parametrize("cameras", [0, 3])
-def test_a_scene_told_otherwise_has_the_same_order(change: str, cameras: int) -> None:
+def test_a_scene_told_otherwise_has_the_same_order(change, cameras):
     """A ball far off is taken too, and what lies on the shortest way to it comes last."""
     rng = np.random.default_rng(5)
     boxes = pile(rng, 8)

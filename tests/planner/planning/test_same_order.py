@@ -29,12 +29,12 @@ def same(change: str, cameras: int, seed: int) -> bool:
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_what_changes_nothing_in_the_scene_changes_no_step(change: str) -> None:
+def test_what_changes_nothing_in_the_scene_changes_no_step(change):
     assert same(change, 0, seed=3)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("cameras", [0, 1, 3])
-def test_of_many_scenes_hardly_one_is_taken_apart_differently(change: str, cameras: int) -> None:
+def test_of_many_scenes_hardly_one_is_taken_apart_differently(change, cameras):
     assert sum(same(change, cameras, seed) for seed in range(20, 40)) >= 19

@@ -1,5 +1,7 @@
 """Things in a shelf are taken from the front: what stands before one goes first, and nothing goes up."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -23,24 +25,19 @@ from topple.topology.situation.situation import Situation
 OUT = np.array([-1.0, 0.0, 0.0])
 
 
-def look_at(stage: Scenario) -> Scene:
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Scenario]:
+    with scenario("shelf", 1) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def scene(stage: Scenario) -> Scene:
     eyes = Observer(stage.world, stage.cameras, np.random.default_rng(0), stage.fixed, stage.up)
     return eyes.look().scene
 
 
-@pytest.fixture(scope="module")
-def stage() -> Scenario:
-    with scenario("shelf", 1) as made:
-        return made
-
-
-@pytest.fixture(scope="module")
-def scene() -> Scene:
-    with scenario("shelf", 1) as made:
-        return look_at(made)
-
-
-def test_what_stands_before_a_thing_goes_first(scene: Scene) -> None:
+def test_what_stands_before_a_thing_goes_first(scene):
     situation = Situation(scene)
     assert all(situation.way_out(name) @ OUT > 0.99 for name in scene.movable)
     found = dependencies(situation)
@@ -55,7 +52,7 @@ def test_what_stands_before_a_thing_goes_first(scene: Scene) -> None:
         assert swept.to_json()["level"] is True
 
 
-def test_under_a_board_no_hand_comes_from_above(scene: Scene, stage: Scenario) -> None:
+def test_under_a_board_no_hand_comes_from_above(scene, stage):
     arm = robot(stage.robot)
     pose, (low, high) = np.diag([1.0, -1.0, -1.0, 1.0]), bounds(scene.clouds["can_1"])
     pose[:3, 3] = [*(low + high)[:2] / 2.0, high[2] - 0.02]
@@ -67,7 +64,7 @@ def test_under_a_board_no_hand_comes_from_above(scene: Scene, stage: Scenario) -
     assert all("meets shelf" in words for words in found.reasons)
 
 
-def test_what_belongs_in_another_column_slides_in_level(scene: Scene, stage: Scenario) -> None:
+def test_what_belongs_in_another_column_slides_in_level(scene, stage):
     clouds = {**scene.clouds, "can_1": scene.clouds["can_1"] + np.array([0.0, 0.16, 0.0])}
     wanted = ArrangementTask(Arrangement(Scene(clouds, scene.fixed, scene.up)))
     found = plan(scene, wanted, stage.robot, base=stage.pose_base_to_world)
@@ -82,7 +79,7 @@ def test_what_belongs_in_another_column_slides_in_level(scene: Scene, stage: Sce
 
 
 @pytest.mark.slow
-def test_what_is_planned_slides_out_and_is_verified(scene: Scene, stage: Scenario) -> None:
+def test_what_is_planned_slides_out_and_is_verified(scene, stage):
     found = plan(scene, stage.goal, stage.robot, base=stage.pose_base_to_world)
     assert found.order == ["can_1", "box_0"]
     assert found.verify(scene).ok

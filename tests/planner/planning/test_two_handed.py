@@ -18,7 +18,7 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.topology.base.arrays import FloatArray
 
 
-def test_an_arm_that_stands_by_is_in_the_way_with_a_margin() -> None:
+def test_an_arm_that_stands_by_is_in_the_way_with_a_margin():
     arm = robot_named("panda")
     bodies = arm_bodies("the other's", arm, pose_at(0.9, 0.0, 0.0), arm.home, (arm.open_hand,))
     assert "the other's panda_hand" in bodies
@@ -33,7 +33,7 @@ def test_an_arm_that_stands_by_is_in_the_way_with_a_margin() -> None:
     assert not Checker(arm, np.eye(4), near).free(arm.home)[0]
 
 
-def test_points_of_an_arm_lie_on_its_links_in_every_state() -> None:
+def test_points_of_an_arm_lie_on_its_links_in_every_state():
     arm, base = robot_named("panda"), pose_at(0.9, 0.0, 0.0)
     other = np.asarray(arm.home) + 0.2
     points = surface_points(arm, base, np.array([arm.home, other]))
@@ -57,7 +57,7 @@ def _done_by(step: NextStep) -> Iterator[tuple[bool, Transfer]]:
 
 
 @pytest.mark.slow
-def test_a_hold_is_planned_whole_and_each_motion_keeps_clear_of_the_other_arm() -> None:
+def test_a_hold_is_planned_whole_and_each_motion_keeps_clear_of_the_other_arm():
     arm = robot_named("panda")
     with scenario("hold", 1) as stage:
         scene = Observer(stage.world, stage.cameras, np.random.default_rng(1), stage.fixed).look().scene

@@ -17,7 +17,7 @@ GOAL = on_table(
 )
 
 
-def test_things_are_found_by_shape_whatever_they_are_called() -> None:
+def test_things_are_found_by_shape_whatever_they_are_called():
     goal, matches = matched(START, GOAL, UP)
     assert {each.object: each.goal for each in matches} == {
         "spoon": "thing_0", "mug": "thing_1", "can": "thing_2", "bowl": "thing_3",
@@ -28,7 +28,7 @@ def test_things_are_found_by_shape_whatever_they_are_called() -> None:
 
 
 @pytest.mark.slow
-def test_the_moves_say_what_was_taken_for_what() -> None:
+def test_the_moves_say_what_was_taken_for_what():
     with pytest.raises(InvalidInput, match="things match by name"):
         rearrange(START, GOAL)
     found = rearrange(START, GOAL, match="shape")
@@ -37,14 +37,14 @@ def test_the_moves_say_what_was_taken_for_what() -> None:
 
 
 @pytest.mark.slow
-def test_things_of_one_shape_go_the_shorter_way() -> None:
+def test_things_of_one_shape_go_the_shorter_way():
     a, b = (box(name, (0.05, 0.05, 0.05)) for name in "ab")
     start = on_table((a, (0.0, 0.0, 0.0)), (b, (0.2, 0.0, 0.0)))
     goal = on_table((a, (0.2, 0.1, 0.0)), (b, (0.0, 0.1, 0.0)), points=2500)
     assert {each.object: each.goal for each in matched(start, goal, UP)[1]} == {"a": "b", "b": "a"}
 
 
-def test_what_has_no_match_is_refused() -> None:
+def test_what_has_no_match_is_refused():
     one = on_table((bowl("bowl"), (0.0, 0.0, 0.0)))
     with pytest.raises(InvalidInput, match="shape of bowl"):
         matched(one, on_table((spoon("spoon"), (0.0, 0.0, 0.0))), UP)

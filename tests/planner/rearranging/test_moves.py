@@ -85,7 +85,7 @@ def allowed(problem: Problem, names: tuple[str, ...], state: tuple[str, ...], k:
 
 
 @pytest.mark.parametrize("seed", range(60))
-def test_no_sequence_is_shorter(seed: int) -> None:
+def test_no_sequence_is_shorter(seed):
     problem = drawn(seed, 3 + seed % 4)
     best = by_every_sequence(problem)
     if best is None:
@@ -98,13 +98,13 @@ def test_no_sequence_is_shorter(seed: int) -> None:
     assert found.optimal
 
 
-def test_two_things_that_change_places_take_one_buffer() -> None:
+def test_two_things_that_change_places_take_one_buffer():
     problem = Problem(("a", "b"), (), frozenset({((TAKE, "a"), (PUT, "b")), ((TAKE, "b"), (PUT, "a"))}))
     found = fewest_moves(problem)
     assert (len(found.moves), found.bound, len(found.buffered)) == (3, 3, 1)
 
 
-def test_what_stays_is_moved_only_where_something_must_get_by() -> None:
+def test_what_stays_is_moved_only_where_something_must_get_by():
     under = frozenset({((TAKE, "lid"), (TAKE, "box")), ((PUT, "box"), (PUT, "lid"))})
     assert len(fewest_moves(Problem(("box",), ("lid",), under)).moves) == 3
     assert fewest_moves(Problem(("box",), ("lid",), frozenset({((PUT, "lid"), (PUT, "box"))}))).moves == (
@@ -112,7 +112,7 @@ def test_what_stays_is_moved_only_where_something_must_get_by() -> None:
     )
 
 
-def test_a_tower_is_turned_over_in_place_and_beside() -> None:
+def test_a_tower_is_turned_over_in_place_and_beside():
     start = {str(k): np.array([0.0, 0.0, k + 0.5]) for k in range(4)}
     goal = {str(k): np.array([0.0, 0.0, 3 - k + 0.5]) for k in range(4)}
     problem = cubes_problem(start, goal, 1.0)
@@ -121,7 +121,7 @@ def test_a_tower_is_turned_over_in_place_and_beside() -> None:
     assert len(fewest_moves(cubes_problem(start, aside, 1.0)).moves) == 4
 
 
-def test_a_counterweight_comes_before_its_load_and_a_second_one_only_where_needed() -> None:
+def test_a_counterweight_comes_before_its_load_and_a_second_one_only_where_needed():
     def falling(there: frozenset[str], held: frozenset[str]) -> frozenset[str]:
         return frozenset({"beam"} if "load" in there and "weight" not in there else ())
 
@@ -130,19 +130,19 @@ def test_a_counterweight_comes_before_its_load_and_a_second_one_only_where_neede
     assert set(graph.edges) - set(below) == {("weight", "load")}
 
 
-def test_a_cycle_that_no_buffer_opens_is_named() -> None:
+def test_a_cycle_that_no_buffer_opens_is_named():
     problem = Problem(("a", "b"), (), frozenset({((TAKE, "a"), (TAKE, "b")), ((TAKE, "b"), (TAKE, "a"))}))
     with pytest.raises(NoSafePlan, match="take b before take a before take b"):
         fewest_moves(problem)
 
 
-def test_an_object_nobody_knows_is_refused() -> None:
+def test_an_object_nobody_knows_is_refused():
     with pytest.raises(InvalidInput, match="c"):
         Problem(("a",), (), frozenset({((TAKE, "c"), (PUT, "a"))}))
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_discs_get_where_they_shall_be_with_every_buffer_in_the_workspace(seed: int) -> None:
+def test_discs_get_where_they_shall_be_with_every_buffer_in_the_workspace(seed):
     rng = np.random.default_rng(seed)
     spots = np.array([(x, y) for x in (2.0, 5.0, 8.0) for y in (2.0, 5.0, 8.0)])
     start, goal = (spots[rng.permutation(9)[:6]] for _ in range(2))
@@ -155,7 +155,7 @@ def test_discs_get_where_they_shall_be_with_every_buffer_in_the_workspace(seed: 
     assert len(found.puts) <= best + 1
 
 
-def test_wrong_moves_of_discs_are_told() -> None:
+def test_wrong_moves_of_discs_are_told():
     discs = Discs(np.array([[2.0, 2.0], [5.0, 5.0]]), np.array([[5.0, 5.0], [2.0, 2.0]]), 1.0, (10.0, 10.0))
     found = rearrange_discs(discs, 5.0)
     assert found is not None
@@ -163,6 +163,6 @@ def test_wrong_moves_of_discs_are_told() -> None:
     assert all(check(discs, puts) for puts in permutations(found.puts) if puts != found.puts)
 
 
-def test_discs_that_overlap_are_refused() -> None:
+def test_discs_that_overlap_are_refused():
     with pytest.raises(InvalidInput, match="overlap"):
         Discs(np.array([[2.0, 2.0], [3.0, 2.0]]), np.array([[2.0, 2.0], [6.0, 2.0]]), 1.0, (10.0, 10.0))

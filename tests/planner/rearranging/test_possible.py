@@ -17,12 +17,12 @@ def cubes(a: tuple[float, float, float], b: tuple[float, float, float]) -> Scene
 START = cubes((0, 0, 0), (0.15, 0, 0))
 
 
-def test_what_hangs_in_the_air_is_named_with_its_height() -> None:
+def test_what_hangs_in_the_air_is_named_with_its_height():
     with pytest.raises(InvalidInput, match=r"a hangs in the air in the goal, its lowest point at 0\.200 m"):
         rearrange(START, cubes((0, 0, 0.2), (0.15, 0, 0)))
 
 
-def test_what_is_in_each_other_is_named_and_what_lies_in_a_bowl_is_not() -> None:
+def test_what_is_in_each_other_is_named_and_what_lies_in_a_bowl_is_not():
     with pytest.raises(InvalidInput, match="a and b are in each other in the goal"):
         rearrange(START, cubes((0, 0, 0), (0.02, 0, 0)))
     fruit = (bowl("bowl"), (0.0, 0.0, 0.0)), (lemon("lemon"), (0.0, 0.0, 0.012))
@@ -30,14 +30,14 @@ def test_what_is_in_each_other_is_named_and_what_lies_in_a_bowl_is_not() -> None
     assert [move.object for move in rearrange(start, on_table(*fruit)).moves] == ["lemon"]
 
 
-def test_a_thing_of_the_same_name_and_another_shape_is_refused() -> None:
+def test_a_thing_of_the_same_name_and_another_shape_is_refused():
     other = on_table((box("a", CUBE), (0.0, 0.2, 0.0)), (can("b", diameter=0.03, height=0.15), (0.15, 0, 0)))
     with pytest.raises(InvalidInput, match=r"b has another shape in the goal: \d+ x \d+ x \d+ mm"):
         rearrange(START, other)
 
 
 @pytest.mark.slow
-def test_many_reasons_are_told_in_short() -> None:
+def test_many_reasons_are_told_in_short():
     names = [f"block {k:02d}" for k in range(8)]
     flat = (0.06, 0.06, 0.03)
 

@@ -1,9 +1,5 @@
 """From one scene to another: what goes first, what makes room, and why."""
 
-import json
-from pathlib import Path
-
-import numpy as np
 import pytest
 from on_table import on_table
 
@@ -23,7 +19,7 @@ def told(found: Rearrangement) -> list[tuple[str, bool]]:
     return [(move.object, move.to is To.BUFFER) for move in found.moves]
 
 
-def test_two_things_change_places_by_way_of_one_buffer() -> None:
+def test_two_things_change_places_by_way_of_one_buffer():
     found = rearrange(blocks(a=(0, 0, 0), b=(0.2, 0, 0)), blocks(a=(0.2, 0, 0), b=(0, 0, 0)))
     assert told(found) in (
         [("a", True), ("b", False), ("a", False)],
@@ -36,7 +32,7 @@ def test_two_things_change_places_by_way_of_one_buffer() -> None:
     )
 
 
-def test_a_tower_comes_to_stand_elsewhere_in_another_order() -> None:
+def test_a_tower_comes_to_stand_elsewhere_in_another_order():
     start = blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1))
     goal = blocks(red=(0.2, 0, 0), green=(0.2, 0, 0.1), blue=(0.2, 0, 0.05))
     found = rearrange(start, goal)
@@ -46,13 +42,13 @@ def test_a_tower_comes_to_stand_elsewhere_in_another_order() -> None:
     assert "red before blue: blue rests on red" in found.explanation[2]
 
 
-def test_a_tower_upside_down_needs_no_buffer_beside() -> None:
+def test_a_tower_upside_down_needs_no_buffer_beside():
     start = blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1))
     goal = blocks(blue=(0.2, 0, 0), green=(0.2, 0, 0.05), red=(0.2, 0, 0.1))
     assert told(rearrange(start, goal)) == [("blue", False), ("green", False), ("red", False)]
 
 
-def test_what_is_where_it_shall_be_stays_and_carries_what_comes() -> None:
+def test_what_is_where_it_shall_be_stays_and_carries_what_comes():
     dishes = plate("plate", diameter=0.22), bowl("bowl", diameter=0.12)
     start = on_table((dishes[0], (0, 0, 0)), (dishes[1], (0.25, 0, 0)))
     goal = on_table((dishes[0], (0, 0, 0)), (dishes[1], (0, 0, 0.008)))
@@ -60,7 +56,7 @@ def test_what_is_where_it_shall_be_stays_and_carries_what_comes() -> None:
     assert rearrange(goal, start).moves == (Move("bowl", To.GOAL),)
 
 
-def test_what_stays_makes_way_where_something_goes_under_it() -> None:
+def test_what_stays_makes_way_where_something_goes_under_it():
     start = blocks(top=(0, 0, 0.05), low=(0, 0, 0), new=(0.2, 0, 0))
     goal = blocks(top=(0, 0, 0.05), low=(0.2, 0, 0), new=(0, 0, 0))
     found = rearrange(start, goal)
@@ -69,22 +65,18 @@ def test_what_stays_makes_way_where_something_goes_under_it() -> None:
     assert told(found)[-1] == ("top", False)
 
 
-def test_other_things_are_refused() -> None:
+def test_other_things_are_refused():
     with pytest.raises(InvalidInput, match="b: not among what moves in the goal"):
         rearrange(blocks(a=(0, 0, 0), b=(0.2, 0, 0)), blocks(a=(0.2, 0, 0)))
 
 
-def test_the_command_says_how_many_moves_and_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    paths = []
-    for name, places in (("start", (0.0, 0.2)), ("goal", (0.2, 0.0))):
-        scene = blocks(a=(places[0], 0, 0), b=(places[1], 0, 0))
-        paths.append(str(tmp_path / f"{name}.npz"))
-        clouds = dict(scene.clouds)
-        np.savez(paths[-1], up=[0, 0, 1], fixed=["table"], **clouds)  # type: ignore[arg-type]
-    assert main(["order", paths[0], "--to", paths[1], "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_the_command_says_how_many_moves_and_why(tmp_path, typed):
+    paths = [str(tmp_path / f"{name}.npz") for name in ("start", "goal")]
+    for path, (a, b) in zip(paths, ((0.0, 0.2), (0.2, 0.0)), strict=True):
+        blocks(a=(a, 0, 0), b=(b, 0, 0)).save(path)
+    document = typed("order", paths[0], "--to", paths[1], "--json").document
     assert [move["buffer"] for move in document["moves"]] == [True, False, False]
     assert document["bound"] == 3 and document["optimal"]
-    assert main(["order", paths[0], "--to", paths[1]]) == 0
-    assert "3 moves, 1 of them to make room; no sequence has fewer" in capsys.readouterr().out
+    out = typed("order", paths[0], "--to", paths[1]).out
+    assert "3 moves, 1 of them to make room; no sequence has fewer" in out
     assert main(["order", paths[0], "--to", paths[1], "--build"]) == 2

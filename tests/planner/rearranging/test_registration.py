@@ -39,7 +39,7 @@ def moved(points: FloatArray, pose: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize("body", SHAPES, ids=[body.name for body in SHAPES])
-def test_a_thing_seen_from_two_sides_is_found_where_it_is(body: Body) -> None:
+def test_a_thing_seen_from_two_sides_is_found_where_it_is(body):
     true = motion(2.3, 0.2, -0.1)
     fit = registered(seen(body, 1, 1.0), moved(seen(body, 2, -1.0), true), UP)
     whole = body.surface(2000, np.random.default_rng(0))
@@ -68,19 +68,19 @@ def looks(name: str, seed: int) -> tuple[Look, Look, dict[str, FloatArray]]:
 @pytest.mark.parametrize(
     "seed", [*(pytest.param(seed, marks=pytest.mark.slow) for seed in (500, 501, 511)), 513]
 )
-def test_the_handle_of_a_mug_is_found_by_three_cameras_however_it_stands(seed: int) -> None:
+def test_the_handle_of_a_mug_is_found_by_three_cameras_however_it_stands(seed):
     here, there, true = looks("set-table", seed)
     fit = Arrangement(there.scene).fit("mug", here.situation)
     assert np.degrees(angle_between(fit.pose, true["mug"])) < 8.0
 
 
-def test_a_block_is_not_turned_upside_down_though_it_fits_better_by_noise() -> None:
+def test_a_block_is_not_turned_upside_down_though_it_fits_better_by_noise():
     here, there, true = looks("restack", 2)
     fits = {name: Arrangement(there.scene).fit(name, here.situation).pose for name in true}
     assert all(UP @ pose[:3, :3] @ UP > 0.99 for pose in fits.values()), fits
 
 
-def test_the_same_points_are_matched_exactly() -> None:
+def test_the_same_points_are_matched_exactly():
     points, true = seen(mug(), 1, 1.0), motion(1.0, 0.3, 0.0)
     fit = registered(points, moved(points, true), UP)
     assert fit.pose == pytest.approx(true, abs=1e-9)
@@ -89,24 +89,24 @@ def test_the_same_points_are_matched_exactly() -> None:
 
 
 @pytest.mark.parametrize(("body", "count"), [(block(), 4), (box(), 2), (spoon(), 1), (mug(), 1)])
-def test_a_thing_is_turned_onto_itself_as_its_shape_says(body: Body, count: int) -> None:
+def test_a_thing_is_turned_onto_itself_as_its_shape_says(body, count):
     assert len(turns(body.surface(8000, np.random.default_rng(0)), UP)) == count
 
 
-def test_a_round_thing_need_not_be_turned() -> None:
+def test_a_round_thing_need_not_be_turned():
     whole = can().surface(6000, np.random.default_rng(0))
     turned = moved(whole, motion(2.0, 0.1, 0.0))
     fit = least(registered(whole, turned, UP), whole, whole, UP)
     assert fit.turn < np.radians(5.0) and fit.way == pytest.approx(0.1, abs=0.002)
 
 
-def test_two_points_are_a_thing_too() -> None:
+def test_two_points_are_a_thing_too():
     ends = np.array([[0.25, 0.0, 0.0], [0.25, 0.0, 0.05]])
     found = registered(ends, ends + np.array([0.1, 0.0, 0.0]), UP)
     assert found.pose[:3, 3] == pytest.approx([0.1, 0.0, 0.0], abs=1e-3)
 
 
-def test_what_was_moved_meanwhile_comes_to_the_same_place_and_what_was_seen_anew_is_asked_again() -> None:
+def test_what_was_moved_meanwhile_comes_to_the_same_place_and_what_was_seen_anew_is_asked_again():
     rng = np.random.default_rng(5)
     before, goal = rng.uniform(-0.05, 0.05, (2, 400, 3))
     known = registered(before, goal, UP)

@@ -1,7 +1,6 @@
 """Relations as a goal: things come to have them, and what cannot be is named."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from on_table import on_table
 
 from topple.planner import NoSafePlan, rearrange
-from topple.planner.cli.main import main
 from topple.planner.rearranging.related import related
 from topple.robots.shapes import bowl, box, lemon
 from topple.topology import InvalidInput, Scene, UnknownObject, relate
@@ -27,7 +25,7 @@ def document(*pairs: tuple[str, str, str]) -> dict[str, Any]:
     return {"relations": [{"a": a, "relation": relation, "b": b} for a, relation, b in pairs]}
 
 
-def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back() -> None:
+def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back():
     told, now = relate(STACKED).to_json(), Situation(APART)
     found = rearrange(APART, json.loads(json.dumps(told)))
     assert [move.object for move in found.moves] == ["b"]
@@ -38,7 +36,7 @@ def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back() -> None:
 
 
 @pytest.mark.slow
-def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair() -> None:
+def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair():
     scene = on_table((bowl("bowl"), (0.0, 0.0, 0.0)), (lemon("lemon"), (0.2, 0.1, 0.0)))
     for pair in (("lemon", "within", "bowl"), ("bowl", "contain", "lemon")):
         told = document(pair, ("bowl", "touch", "table"))
@@ -66,30 +64,24 @@ def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair() -> No
         ),
     ],
 )
-def test_relations_that_nothing_can_have_are_refused(
-    told: dict[str, Any], error: type[Exception], words: str
-) -> None:
+def test_relations_that_nothing_can_have_are_refused(told, error, words):
     with pytest.raises(error, match=words):
         rearrange(APART, told)
 
 
-def test_words_are_a_goal_in_python_too() -> None:
+def test_words_are_a_goal_in_python_too():
     assert [move.object for move in rearrange(APART, "b on a").moves] == ["b"]
     with pytest.raises(InvalidInput, match="empty"):
         rearrange(APART, " ")
 
 
-def test_the_command_takes_a_document_and_names_what_is_none(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_takes_a_document_and_names_what_is_none(tmp_path, typed):
     start = tmp_path / "start.npz"
     np.savez(start, **APART.clouds, up=[0, 0, 1], fixed=["table"])
     goal = tmp_path / "goal.json"
     goal.write_text(json.dumps(relate(STACKED).to_json()), encoding="utf-8")
-    assert main(["order", str(start), "--to", str(goal)]) == 0
-    assert "1 move" in capsys.readouterr().out
+    assert "1 move" in typed("order", start, "--to", goal).out
     goal.write_text('{"order": []}', encoding="utf-8")
     for command in (["order"], ["plan", "--robot", "panda"]):
         for wrong, told in ((str(goal), "topple relate --json"), ("", "--to is empty")):
-            assert main([command[0], str(start), *command[1:], "--to", wrong]) == 2
-            assert told in capsys.readouterr().err
+            assert told in typed(command[0], start, *command[1:], "--to", wrong, code=2).err

@@ -1,8 +1,6 @@
 """Rearrangements as plans and runs of an arm."""
 
-import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -45,7 +43,7 @@ def swapped() -> Plan:
     return rearrange(START, GOAL, "panda", base=BASE)
 
 
-def test_two_blocks_change_places_in_three_certified_steps(swapped: Plan) -> None:
+def test_two_blocks_change_places_in_three_certified_steps(swapped):
     assert [(step.action, step.buffer) for step in swapped.steps] == [
         ("remove", True), ("place", False), ("place", False),
     ]  # fmt: skip
@@ -56,7 +54,7 @@ def test_two_blocks_change_places_in_three_certified_steps(swapped: Plan) -> Non
     assert plan_from_json(plan_to_json(swapped)) == swapped
 
 
-def test_a_plan_that_leaves_a_thing_beside_its_place_is_refuted(swapped: Plan) -> None:
+def test_a_plan_that_leaves_a_thing_beside_its_place_is_refuted(swapped):
     import msgspec
 
     poses = {name: np.array(pose) for name, pose in swapped.poses.items()}
@@ -72,7 +70,7 @@ def noisy(scene: Scene, seed: int) -> Scene:
 
 
 @pytest.mark.slow
-def test_a_tower_does_not_grow_by_the_noise_of_what_is_seen() -> None:
+def test_a_tower_does_not_grow_by_the_noise_of_what_is_seen():
     start = noisy(blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1)), 0)
     goal = noisy(blocks(red=(0.2, 0, 0), green=(0.2, 0, 0.1), blue=(0.2, 0, 0.05)), 1)
     found = rearrange(start, goal, "panda", base=BASE)
@@ -86,7 +84,7 @@ def test_a_tower_does_not_grow_by_the_noise_of_what_is_seen() -> None:
 
 
 @pytest.mark.slow
-def test_a_tower_is_built_again_in_another_order() -> None:
+def test_a_tower_is_built_again_in_another_order():
     start = blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1))
     goal = blocks(red=(0.2, 0, 0), green=(0.2, 0, 0.1), blue=(0.2, 0, 0.05))
     found = rearrange(start, goal, "panda", base=BASE)
@@ -95,7 +93,7 @@ def test_a_tower_is_built_again_in_another_order() -> None:
 
 
 @pytest.mark.slow
-def test_what_bars_the_hand_makes_room_and_comes_back() -> None:
+def test_what_bars_the_hand_makes_room_and_comes_back():
     around = [
         (box(name, (0.05, 0.05, 0.09)), (0.054 * x, 0.054 * y, 0.0))
         for name, (x, y) in {"west": (-1, 0), "east": (1, 0), "south": (0, -1), "north": (0, 1)}.items()
@@ -110,11 +108,11 @@ def test_what_bars_the_hand_makes_room_and_comes_back() -> None:
     assert found.verify(start).ok
 
 
-def test_what_lies_there_already_takes_no_step() -> None:
+def test_what_lies_there_already_takes_no_step():
     assert rearrange(START, START, "panda", base=BASE).steps == []
 
 
-def test_what_the_arm_cannot_do_is_told() -> None:
+def test_what_the_arm_cannot_do_is_told():
     wide = (
         on_table((box("a", (0.12, 0.12, 0.12)), (0, 0, 0))),
         on_table((box("a", (0.12, 0.12, 0.12)), (0.1, 0, 0))),
@@ -124,20 +122,18 @@ def test_what_the_arm_cannot_do_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_writes_the_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_writes_the_plan(tmp_path, typed):
     paths = [str(tmp_path / name) for name in ("start.npz", "goal.npz")]
     for path, scene in zip(paths, (START, GOAL), strict=True):
         np.savez(path, up=[0, 0, 1], fixed=["table"], robot_base=BASE, **dict(scene.clouds))  # type: ignore[arg-type]
-    assert main(["plan", paths[0], "--to", paths[1], "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = typed("plan", paths[0], "--to", paths[1], "--json").document
     assert [step["buffer"] for step in document["steps"]] == [True, False, False]
     assert set(document["poses"]) == {"a", "b"}
-    assert main(["order", paths[0], "--to", "a left of b"]) == 0
-    assert "no sequence has fewer" in capsys.readouterr().out
+    assert "no sequence has fewer" in typed("order", paths[0], "--to", "a left of b").out
     assert main(["plan", paths[0], "--to", paths[1], "--goal", "a on b"]) == 2
 
 
-def test_a_lesson_of_a_place_holds_until_that_is_left() -> None:
+def test_a_lesson_of_a_place_holds_until_that_is_left():
     learned = LearnedPrecedences()
     learned.pairs[(Act.TAKE, "a"), (Act.PUT, "b")] = 1
     learned.pairs[(Act.PUT, "a"), (Act.PUT, "b")] = 1
@@ -146,14 +142,14 @@ def test_a_lesson_of_a_place_holds_until_that_is_left() -> None:
     assert learned.now([*done, ("a", "place")]) == {((Act.PUT, "a"), (Act.PUT, "b"))}
 
 
-def test_an_arrangement_knows_what_lies_on_what() -> None:
+def test_an_arrangement_knows_what_lies_on_what():
     assert Arrangement(blocks(a=(0, 0, 0), b=(0, 0, 0.05))).goal(START).text == "a on table, b on a"
     with pytest.raises(Exception, match="things match by name"):
         Arrangement(blocks(a=(0, 0, 0))).goal(START)
     assert Arrangement(GOAL).fit("a", Situation(START)).way == pytest.approx(0.2, abs=0.003)
 
 
-def test_a_body_is_off_its_place_by_no_turn_that_its_shape_does_not_show() -> None:
+def test_a_body_is_off_its_place_by_no_turn_that_its_shape_does_not_show():
     from scipy.spatial.transform import Rotation
 
     with World() as world:
@@ -174,7 +170,7 @@ def test_a_body_is_off_its_place_by_no_turn_that_its_shape_does_not_show() -> No
 
 
 @pytest.mark.slow
-def test_two_things_change_places_in_closed_loop() -> None:
+def test_two_things_change_places_in_closed_loop():
     with scenario("swap", 1) as stage:
         record = loop_in(stage, seed=1).run()
         assert record.success, record.violations
@@ -184,7 +180,7 @@ def test_two_things_change_places_in_closed_loop() -> None:
             assert way < 0.01 and angle < np.radians(10.0)
 
 
-def test_a_task_that_is_asked_again_begins_anew() -> None:
+def test_a_task_that_is_asked_again_begins_anew():
     task = DescribedTask("a right of b")
     goals = [task.goal(scene) for scene in (START, blocks(a=(0, 0.2, 0), b=(0.1, -0.1, 0)))]
     fresh = DescribedTask("a right of b").goal(blocks(a=(0, 0.2, 0), b=(0.1, -0.1, 0)))
@@ -211,7 +207,7 @@ def _context(orderer: Orderer = cautious) -> Context:
     return Context(Station(arm, BASE, np.asarray(arm.home)), observed=True, orderer=orderer)
 
 
-def test_what_was_put_beside_its_place_is_taken_by_another_grasp() -> None:
+def test_what_was_put_beside_its_place_is_taken_by_another_grasp():
     first = _first_step(_context())
     name, grasp = first.transfer.object, first.transfer.grasp
     again = _first_step(replace(_context(), placed={name: (grasp,)}))
@@ -220,16 +216,14 @@ def test_what_was_put_beside_its_place_is_taken_by_another_grasp() -> None:
 
 
 @pytest.mark.parametrize(("risky", "other"), [("a", "b"), ("b", "a")])
-def test_of_moves_that_wait_for_nothing_the_one_goes_first_that_moves_nothing_else(
-    risky: str, other: str
-) -> None:
+def test_of_moves_that_wait_for_nothing_the_one_goes_first_that_moves_nothing_else(risky, other):
     def orderer(*args: Any, **more: Any) -> Order:
         return replace(cautious(*args, **more), chances={(other, risky): 0.3, (risky, other): 0.06})
 
     assert _first_step(_context(orderer)).transfer.object == other
 
 
-def test_what_sticks_a_little_into_a_place_and_shall_leave_goes_first() -> None:
+def test_what_sticks_a_little_into_a_place_and_shall_leave_goes_first():
     tall, low = box("a", (0.05, 0.05, 0.08)), box("b", (0.05, 0.05, 0.015))
     start = on_table((tall, (0, 0.2, 0)), (low, (0, 0, 0)), points=1500)
     goal = on_table((tall, (0.045, 0, 0)), (low, (0, -0.2, 0)), points=1500)

@@ -32,14 +32,14 @@ def shift(name: str, after: Scene) -> FloatArray:
     return after.clouds[name].mean(axis=0) - SCENE.clouds[name].mean(axis=0)
 
 
-def test_what_is_told_is_laid_and_nothing_else_moves() -> None:
+def test_what_is_told_is_laid_and_nothing_else_moves():
     after = goal("lemon within bowl")
     assert np.linalg.norm(after.clouds["lemon"].mean(axis=0)[:2]) < 0.06
     for name in ("bowl", "spoon", "can"):
         assert after.clouds[name] is SCENE.clouds[name]
 
 
-def test_a_budget_that_runs_out_leaves_no_moves() -> None:
+def test_a_budget_that_runs_out_leaves_no_moves():
     with pytest.raises(OutOfBudget, match=r"the budget of 0\.001 s ran out"):
         rearrange(SCENE, "lemon within bowl", budget=0.001)
 
@@ -48,7 +48,7 @@ def test_a_budget_that_runs_out_leaves_no_moves() -> None:
     ("side", "axis", "sign"),
     [("left of", 1, 1), ("right of", 1, -1), ("behind", 0, 1), ("in front of", 0, -1)],
 )
-def test_sides_are_those_of_who_looks_along_x(side: str, axis: int, sign: int) -> None:
+def test_sides_are_those_of_who_looks_along_x(side, axis, sign):
     after = goal(f"spoon {side} bowl")
     inner = sign * after.clouds["spoon"][:, axis]
     outer = sign * after.clouds["bowl"][:, axis]
@@ -57,13 +57,13 @@ def test_sides_are_those_of_who_looks_along_x(side: str, axis: int, sign: int) -
     assert lengths[1 - axis] > 2 * lengths[axis]  # it lies along the bowl's side
 
 
-def test_what_is_in_the_way_makes_room() -> None:
+def test_what_is_in_the_way_makes_room():
     after = goal("spoon left of bowl")
     assert np.linalg.norm(shift("can", after)) > 0.03
     assert after.clouds["lemon"] is SCENE.clouds["lemon"]
 
 
-def test_a_tower_in_words_stands_on_what_stays() -> None:
+def test_a_tower_in_words_stands_on_what_stays():
     boxes = [(box(name, (0.05, 0.05, 0.05)), (0.15 * k, 0.0, 0.0)) for k, name in enumerate("abc")]
     scene = on_table(*boxes)
     after = goal("c on b on a", scene)
@@ -82,12 +82,12 @@ def test_a_tower_in_words_stands_on_what_stays() -> None:
         ("spoon left of can, can behind spoon", NoSafePlan, "circle"),
     ],
 )
-def test_words_that_describe_nothing_are_refused(words: str, error: type[Exception], told: str) -> None:
+def test_words_that_describe_nothing_are_refused(words, error, told):
     with pytest.raises(error, match=told):
         goal(words)
 
 
-def test_of_what_shall_be_within_it_counts_that_it_is_there() -> None:
+def test_of_what_shall_be_within_it_counts_that_it_is_there():
     arrangement = described("lemon within bowl, spoon left of bowl", Situation(SCENE))
     assert set(arrangement.pose_free) == {"lemon"}
     told = arrangement.goal(SCENE)
@@ -98,7 +98,7 @@ def test_of_what_shall_be_within_it_counts_that_it_is_there() -> None:
 
 
 @pytest.mark.slow
-def test_a_hand_that_does_not_fit_around_it_puts_it_elsewhere_in_the_bowl() -> None:
+def test_a_hand_that_does_not_fit_around_it_puts_it_elsewhere_in_the_bowl():
     table = (
         (plate("plate"), (0.2, -0.15, 0.0)),
         (bowl("bowl"), (0.0, 0.0, 0.0)),
@@ -116,7 +116,7 @@ def test_a_hand_that_does_not_fit_around_it_puts_it_elsewhere_in_the_bowl() -> N
     assert plan.verify(scene).ok
 
 
-def test_what_leans_on_the_rim_of_a_plate_is_not_on_it() -> None:
+def test_what_leans_on_the_rim_of_a_plate_is_not_on_it():
     dish, tin = plate("plate"), can("can")
     with World() as world:
         world.add_table()
@@ -137,7 +137,7 @@ def test_what_leans_on_the_rim_of_a_plate_is_not_on_it() -> None:
     assert rearrange(laid, "can on plate").moves == ()
 
 
-def test_a_path_is_no_words() -> None:
+def test_a_path_is_no_words():
     assert is_words("cup left of plate") and is_words("lemon in bowl")
     assert not is_words("goal.npz") and not is_words("scenes/left")
     assert is_words(" and ".join(f"cup {k} left of plate {k}" for k in range(40)))  # too long for a path

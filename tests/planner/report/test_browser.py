@@ -198,9 +198,9 @@ def test_pages_are_readable_at_every_width_and_in_the_dark(
     open_page, photographed, stack, run_record, lone_plan
 ):
     pages = show_page(*photographed), show_page(*stack), run_page(run_record), plan_page(*lone_plan)
-    for html, width in itertools.product(pages, (1300, 400)):
+    for html in pages:
         page = open_page(html)
-        for colours in ("light", "dark"):
+        for width, colours in itertools.product((1300, 400), ("light", "dark")):
             check_readable(page, width, colours)
         page.close()
 

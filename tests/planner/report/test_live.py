@@ -7,7 +7,6 @@ import subprocess
 import sys
 import urllib.request
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ pytest.importorskip("viser", reason="viser is not installed: pip install '.[view
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the server's own libraries
 
 from topple.planner.report.live import LivePage  # noqa: E402
+from topple.topology.base.errors import InvalidInput  # noqa: E402
 from topple.topology.relations.relate import relate  # noqa: E402
 
 
@@ -31,7 +31,7 @@ def fetched(url: str) -> str:
         return answer.read().decode("utf-8", "replace")
 
 
-def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
+def test_it_serves_answers_its_sliders_and_closes(stack):
     scene, relations, _ = stack
     page = LivePage(scene, port=free_port())
     try:
@@ -55,7 +55,7 @@ def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
         fetched(url)
 
 
-def test_the_rule_and_the_orderer_that_are_named_are_used(stack) -> None:
+def test_the_rule_and_the_orderer_that_are_named_are_used(stack):
     from topple.planner.decide.arrange import arrange
     from topple.planner.decide.dependency import DependencyGraph
 
@@ -74,21 +74,14 @@ def test_the_rule_and_the_orderer_that_are_named_are_used(stack) -> None:
         page.close()
 
 
-def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
+def test_steps_of_a_plan_put_things_where_they_go(stack):
     from topple.planner.formats.plan_structs import GraspData, PlacementData, Step
     from topple.planner.planning.plan_format import Plan
 
     aside = np.eye(4)
     aside[0, 3] = 0.3
-    step = Step(
-        "tin",
-        "remove",
-        "",
-        [],
-        GraspData("pinch", np.eye(4).tolist(), 0.1, 1.0),
-        PlacementData(aside.tolist()),
-        [],
-    )
+    grasp = GraspData("pinch", np.eye(4).tolist(), 0.1, 1.0)
+    step = Step("tin", "remove", "", [], grasp, PlacementData(aside.tolist()), [])
     plan = Plan(
         goal="", robot="panda", joints=[], seed=0, pose_base_to_world=np.eye(4).tolist(), base_searched=False,
         q_start=[], order=["tin"], dependencies=[], steps=[step, step],
@@ -102,7 +95,7 @@ def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
         page.close()
 
 
-def test_an_arm_stands_as_the_plan_begins_and_plays_it(lone_plan) -> None:
+def test_an_arm_stands_as_the_plan_begins_and_plays_it(lone_plan):
     plan, scene = lone_plan
     page = LivePage(scene, plan, port=free_port())
     try:
@@ -123,7 +116,7 @@ def test_an_arm_stands_as_the_plan_begins_and_plays_it(lone_plan) -> None:
         page.close()
 
 
-def test_the_order_plays_to_its_end_and_names_are_no_markup(stack) -> None:
+def test_the_order_plays_to_its_end_and_names_are_no_markup(stack):
     page = LivePage(stack[0], port=free_port())
     try:
         page._steps.value = len(page.moves) - 1
@@ -134,25 +127,11 @@ def test_the_order_plays_to_its_end_and_names_are_no_markup(stack) -> None:
         page.close()
 
 
-def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path, stack) -> None:
+def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path, stack):
     scene, port = stack[0], free_port()
-    np.savez(
-        tmp_path / "s.npz",
-        up=[0, 0, 1],
-        fixed=["table"],
-        **{f"o{k}": c for k, c in enumerate(scene.clouds.values()) if k},
-        table=scene.clouds["table"],
-    )
-    call = [
-        sys.executable,
-        "-m",
-        "topple.planner.cli.main",
-        "view",
-        str(tmp_path / "s.npz"),
-        "--port",
-        str(port),
-        "--json",
-    ]
+    clouds = {f"o{k}" if k else "table": cloud for k, cloud in enumerate(scene.clouds.values())}
+    np.savez(tmp_path / "s.npz", up=[0, 0, 1], fixed=["table"], **clouds)
+    call = [sys.executable, "-m", "topple", "view", str(tmp_path / "s.npz"), "--port", str(port), "--json"]
     with subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as serving:
         assert serving.stdout is not None
         document = json.loads(serving.stdout.readline())
@@ -161,7 +140,7 @@ def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path,
         assert serving.wait(20) == 0
 
 
-def test_without_viser_its_extra_is_named() -> None:
-    code = "import sys; sys.modules['viser'] = None\nfrom topple.planner.report.live import _viser\n_viser()"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "needs viser: pip install 'viser>=1.0'" in done.stderr.splitlines()[-1]
+def test_without_viser_its_extra_is_named(monkeypatch, stack):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(InvalidInput, match=r"needs viser: pip install 'viser>=1\.0'$"):
+        LivePage(stack[0])

@@ -298,7 +298,7 @@ def test_a_stray_point_is_not_drawn(half_seen):
     assert KDTree(drawn.points[: drawn.seen]).query(strays)[0].min() > 0.05
 
 
-def test_an_object_whose_name_says_a_colour_is_drawn_in_it() -> None:
+def test_an_object_whose_name_says_a_colour_is_drawn_in_it():
     names = ("red", "green cube", "Blue", "red_2", "can", "redwood")
     colours = object_colours(names)
     assert [max(range(3), key=colours[name].__getitem__) for name in names[:4]] == [0, 1, 2, 0]

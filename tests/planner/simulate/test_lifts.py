@@ -1,4 +1,5 @@
 import numpy as np
+from moving import at
 
 from topple.planner.simulate.lifts import take_away
 from topple.robots import shapes
@@ -6,12 +7,10 @@ from topple.robots.world.world import World
 
 
 def _at(x: float, z: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = [x, 0, z]
-    return pose
+    return at(x, 0.0, z)
 
 
-def test_taking_the_lower_box_moves_the_upper_one_and_nobody_else() -> None:
+def test_taking_the_lower_box_moves_the_upper_one_and_nobody_else():
     with World() as world:
         world.add_table()
         world.add(shapes.box("low", (0.1, 0.1, 0.05)), _at(0, 0))

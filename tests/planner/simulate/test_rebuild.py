@@ -45,7 +45,7 @@ def _shifts(rebuilt: Rebuilt, seconds: float = 2.0) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("kind", ["box", "bowl", "mug", "plate"])
-def test_a_thing_seen_from_above_stands_on_the_table(kind: str) -> None:
+def test_a_thing_seen_from_above_stands_on_the_table(kind):
     made = getattr(shapes, kind)(kind)
     rebuilt = rebuild(Statics.of(_seen({made: np.eye(4)}, 1)))
     body, pose = rebuilt.bodies[kind], rebuilt.poses[kind]
@@ -55,7 +55,7 @@ def test_a_thing_seen_from_above_stands_on_the_table(kind: str) -> None:
 
 
 @pytest.mark.slow
-def test_things_in_and_on_each_other_stay_where_they_are() -> None:
+def test_things_in_and_on_each_other_stay_where_they_are():
     stack: dict[Body, FloatArray] = {
         shapes.bowl("bowl"): np.eye(4),
         shapes.lemon("lemon"): pose_at(0.01, 0, 0.008),
@@ -68,7 +68,7 @@ def test_things_in_and_on_each_other_stay_where_they_are() -> None:
         assert len(rebuilt.bodies["bowl"].parts) > 8
 
 
-def test_an_arm_above_a_table_that_is_seen_stays_in_the_air() -> None:
+def test_an_arm_above_a_table_that_is_seen_stays_in_the_air():
     rng = np.random.default_rng(0)
     foot = shapes.block(side=0.06).surface(2500, rng)
     arm = shapes.bar(size=(0.16, 0.03, 0.02)).surface(1500, rng) + np.array([0.1, 0, 0.04])

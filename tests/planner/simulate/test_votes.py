@@ -23,10 +23,7 @@ NOTHING = DependencyGraph.of(("plate", "on", "beside"), ())
 def scene() -> Scene:
     """A can on a plate, another beside it."""
     rng = np.random.default_rng(0)
-    on, beside = (
-        shapes.can("on", diameter=0.06, height=0.08),
-        shapes.can("beside", diameter=0.06, height=0.08),
-    )
+    on, beside = (shapes.can(name, diameter=0.06, height=0.08) for name in ("on", "beside"))
     table = np.column_stack([rng.uniform(-0.3, 0.5, (3000, 2)), np.zeros(3000)])
     return Scene(
         {
@@ -52,7 +49,7 @@ def votes(statics: Statics) -> Votes:
     return ask(statics, NOTHING)
 
 
-def test_taking_the_plate_moves_the_can_on_it_and_not_the_one_beside(votes: Votes) -> None:
+def test_taking_the_plate_moves_the_can_on_it_and_not_the_one_beside(votes):
     assert votes.trials == 9
     assert votes.moved["on", "plate"] == (True, True, True)
     assert not any(votes.moved["beside", "plate"])
@@ -61,26 +58,26 @@ def test_taking_the_plate_moves_the_can_on_it_and_not_the_one_beside(votes: Vote
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_votes(statics: Statics, votes: Votes) -> None:
+def test_the_same_seed_gives_the_same_votes(statics, votes):
     again = ask(statics, NOTHING)
     assert again.moved == votes.moved
     assert again.sagged == votes.sagged
 
 
-def test_a_budget_that_runs_out_is_a_failure_that_says_so_and_no_other_answer(scene: Scene) -> None:
+def test_a_budget_that_runs_out_is_a_failure_that_says_so_and_no_other_answer(scene):
     with pytest.raises(OutOfBudget, match=r"the budget of 0\.01 s ran out"):
         order(scene, verify=True, budget=0.01)
     assert order(scene, verify=True, budget=600.0).verified
 
 
-def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(votes: Votes) -> None:
+def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(votes):
     wrong = DependencyGraph.of(NOTHING.names, [Dependency("beside", "plate", "blocking", confidence=0.6)])
     prior = dict.fromkeys(permutations(NOTHING.names, 2), 0.1) | {("beside", "plate"): 0.6}
     checked = confirmed(wrong, chances(prior, votes, cameras=None), votes)
     assert {(edge.first, edge.then) for edge in checked.dependencies} == {("on", "plate")}
 
 
-def test_bodies_that_sag_by_themselves_add_no_dependency() -> None:
+def test_bodies_that_sag_by_themselves_add_no_dependency():
     nothing, moved = DependencyGraph.of(("a", "b"), ()), {("a", "b"): (True, True, True)}
     chance = {("a", "b"): 0.9, ("b", "a"): 0.1}
     steady, sagging = (Votes(moved, {"a": sag, "b": 0.0}, 3) for sag in (0.1, 0.9))
@@ -89,14 +86,14 @@ def test_bodies_that_sag_by_themselves_add_no_dependency() -> None:
 
 
 @pytest.mark.parametrize("cameras", [None, 3, 1])
-def test_more_trials_that_moved_make_a_dependency_likelier(cameras: int | None) -> None:
+def test_more_trials_that_moved_make_a_dependency_likelier(cameras):
     for steady in (True, False):
         chance = [posterior(0.5, moved, 3, likelihoods(cameras, steady)) for moved in range(4)]
         assert chance[0] < 0.5 < chance[3]
         assert chance[0] < chance[1] <= chance[3]
 
 
-def test_what_was_not_tried_stays_as_reasoned() -> None:
+def test_what_was_not_tried_stays_as_reasoned():
     graph = DependencyGraph.of(("a", "b"), [Dependency("a", "b", "leaning", confidence=0.45)])
     nothing = Votes({}, {}, 0)
     prior = {("a", "b"): 0.45, ("b", "a"): 0.3}
@@ -104,7 +101,7 @@ def test_what_was_not_tried_stays_as_reasoned() -> None:
     assert confirmed(graph, prior, nothing).dependencies == graph.dependencies
 
 
-def test_that_bodies_with_guessed_sides_stand_refutes_nothing() -> None:
+def test_that_bodies_with_guessed_sides_stand_refutes_nothing():
     graph = DependencyGraph.of(("a", "b"), [Dependency("a", "b", "leaning", confidence=0.357)])
     prior = {("a", "b"): 0.357, ("b", "a"): 0.1}
     stood = Votes({pair: (False,) * 3 for pair in prior}, {"a": 0.0, "b": 0.0}, 6)
@@ -116,9 +113,7 @@ def test_that_bodies_with_guessed_sides_stand_refutes_nothing() -> None:
     assert not confirmed(graph, chances(prior, stood, cameras=None), stood).dependencies
 
 
-def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
-    statics: Statics, votes: Votes
-) -> None:
+def test_counted_rates_tell_what_happened_with_a_dependency_and_without(statics, votes):
     labels = {
         then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
         for then in NOTHING.names
@@ -132,7 +127,7 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
     assert found["overlooked"][0][1] == round(2.5 / 3, 3)
 
 
-def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(scene: Scene) -> None:
+def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(scene):
     stand = standing(Statics.of(scene))
     assert (stand["on", "plate"], stand["plate", "on"], stand["beside", "plate"]) == ((0, 1), (0, 0), (2, 1))
     _, chance = reasoned(Situation(scene))

@@ -4,7 +4,6 @@ import io
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -56,7 +55,7 @@ def verdicts(found: StabilityCheck) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("size", [0.1, 1.0, 10.0])
-def test_a_mug_two_millimetres_beyond_the_edge_tips_and_before_it_stands(size: float) -> None:
+def test_a_mug_two_millimetres_beyond_the_edge_tips_and_before_it_stands(size):
     """Of objects of 1 cm, of the size of hands, and of 1 m; turned, too."""
     turn = Rotation.from_euler("xyz", [0.4, -0.7, 1.1]).as_matrix()
 
@@ -78,7 +77,7 @@ def test_a_mug_two_millimetres_beyond_the_edge_tips_and_before_it_stands(size: f
     assert mug.margins.tilt == pytest.approx(np.arctan(0.002 / (0.05 * size)), rel=0.01)
 
 
-def test_margins_are_those_of_a_block_by_hand() -> None:
+def test_margins_are_those_of_a_block_by_hand():
     found = check(scene({"block": box((0.08, 0.06, 0.2), (0, 0, 0.1))}, masses={"block": 2.0}))
     (block,) = found.objects.values()
     assert block.margins is not None
@@ -91,7 +90,7 @@ def test_margins_are_those_of_a_block_by_hand() -> None:
     assert not block.by_friction
 
 
-def test_a_counterweight_holds_and_what_falls_without_it_is_said() -> None:
+def test_a_counterweight_holds_and_what_falls_without_it_is_said():
     meshes = {
         "block": box((0.12, 0.12, 0.2), (0, 0, 0.1)),
         "plank": box((0.3, 0.08, 0.01), (0.1, 0, 0.205)),
@@ -108,7 +107,7 @@ def test_a_counterweight_holds_and_what_falls_without_it_is_said() -> None:
     assert held.stands, "its weight is said to be over the block"
 
 
-def test_a_chain_is_told_by_what_fails_first() -> None:
+def test_a_chain_is_told_by_what_fails_first():
     stack = {
         "low": box((0.1, 0.1, 0.1), (0, 0, 0.055)),
         "high": box((0.1, 0.1, 0.1), (0.03, 0, 0.155)),
@@ -125,7 +124,7 @@ def test_a_chain_is_told_by_what_fails_first() -> None:
     assert verdicts(sunk)["high"] == "floats"
 
 
-def test_a_load_that_tips_its_carrier_falls_with_it() -> None:
+def test_a_load_that_tips_its_carrier_falls_with_it():
     meshes = {
         "foot": box((0.04, 0.1, 0.1), (0, 0, 0.05)),
         "board": box((0.2, 0.1, 0.02), (0.019, 0, 0.11)),
@@ -136,7 +135,7 @@ def test_a_load_that_tips_its_carrier_falls_with_it() -> None:
 
 
 @pytest.mark.parametrize(("degrees", "verdict"), [(22.0, "stands"), (29.0, "slides"), (75.0, "tips")])
-def test_friction_holds_on_a_slope_up_to_its_angle(degrees: float, verdict: str) -> None:
+def test_friction_holds_on_a_slope_up_to_its_angle(degrees, verdict):
     angle = np.radians(degrees)
     up = np.array([np.sin(angle), 0, np.cos(angle)])
     place = 0.03 * up + [0, 0, 0.3]
@@ -150,7 +149,7 @@ def test_friction_holds_on_a_slope_up_to_its_angle(degrees: float, verdict: str)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, 1.3])
-def test_friction_counts_in_full_up_the_slope(yaw: float) -> None:
+def test_friction_counts_in_full_up_the_slope(yaw):
     slope = np.arctan(0.5)
     for angle, verdict in ((slope - 0.01, "stands"), (slope + 0.01, "slides")):
         turn = Rotation.from_euler("z", yaw) * Rotation.from_euler("y", angle)
@@ -162,7 +161,7 @@ def test_friction_counts_in_full_up_the_slope(yaw: float) -> None:
         assert verdicts(found) == {"block": verdict}
 
 
-def test_what_two_walls_hold_by_friction_is_carried_by_them() -> None:
+def test_what_two_walls_hold_by_friction_is_carried_by_them():
     walls = {"left": box((0.1, 0.2, 0.4), (-0.1, 0, 0.2)), "right": box((0.1, 0.2, 0.4), (0.1, 0, 0.2))}
     held = {**walls, "block": box((0.1, 0.1, 0.05), (0, 0, 0.25))}
     found = check(scene(held, ("table", "left", "right"), masses={"block": 1.0}, friction=FRICTION_OF_BRICKS))
@@ -172,7 +171,7 @@ def test_what_two_walls_hold_by_friction_is_carried_by_them() -> None:
     assert sum(carry.force for carry in block.carried_by) * 0.64 >= 9.8
 
 
-def test_the_page_of_a_check_says_the_verdict_and_draws_forces(tmp_path: Path) -> None:
+def test_the_page_of_a_check_says_the_verdict_and_draws_forces(tmp_path):
     meshes = {"book": BOOK, "mug": box((0.08, 0.08, 0.1), (0.104, 0, 0.08))}
     tipping = scene(meshes, masses={"book": 0.5})
     text = check_page(tipping, check(tipping).to_json(), "shelf")
@@ -188,7 +187,7 @@ def test_the_page_of_a_check_says_the_verdict_and_draws_forces(tmp_path: Path) -
     assert {FAILS, CARRIES, PUSHED} <= drawn
 
 
-def test_pybullet_scenes_at_rest_stand() -> None:
+def test_pybullet_scenes_at_rest_stand():
     tried = 0
     for seed in range(9000, 9006):
         _, resting = designed(seed)
@@ -203,7 +202,7 @@ def test_pybullet_scenes_at_rest_stand() -> None:
     assert tried > 20
 
 
-def test_every_spoilt_scene_of_blocks_is_told() -> None:
+def test_every_spoilt_scene_of_blocks_is_told():
     tried = 0
     for case in cases("blocks", 1, 1):
         found = verdicts(check(case.scene, margins=False))
@@ -213,7 +212,7 @@ def test_every_spoilt_scene_of_blocks_is_told() -> None:
     assert tried == len(SPOILS) - 2
 
 
-def test_clouds_stand_within_their_noise_and_float_beyond_it() -> None:
+def test_clouds_stand_within_their_noise_and_float_beyond_it():
     rng = np.random.default_rng(0)
     for height, verdict in ((0.0, "stands"), (0.02, "floats")):
         exact = scene({"book": BOOK, "mug": box((0.08, 0.08, 0.1), (0.02, 0, 0.08 + height))})
@@ -223,9 +222,7 @@ def test_clouds_stand_within_their_noise_and_float_beyond_it() -> None:
         assert verdicts(found) == {"book": "stands", "mug": verdict}
 
 
-def test_the_command_says_it_in_its_first_line_and_its_exit_code(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_says_it_in_its_first_line_and_its_exit_code(tmp_path, capsys, typed):
     codes = {}
     for offset in (0.104, 0.08):
         folder = tmp_path / str(offset)
@@ -243,8 +240,7 @@ def test_the_command_says_it_in_its_first_line_and_its_exit_code(
         assert document["stands"] == (offset == 0.08)
         assert ("margins" in document["objects"][1]) == document["stands"]
     assert codes == {0.104: 1, 0.08: 0}
-    assert main(["check", str(tmp_path / "0.104"), "--up", "0", "0", "1"]) == 1
-    first = capsys.readouterr().out.splitlines()[0]
+    first = typed("check", tmp_path / "0.104", "--up", "0", "0", "1", code=1).out.splitlines()[0]
     assert first.endswith("1 of 2 stand; mug tips over the edge of book, 4 mm beyond")
     assert main(["check", str(tmp_path / "nowhere.npz")]) == 2
     with pytest.raises(AssertionError, match="mug tips over the edge of book, 4 mm beyond"):
@@ -252,30 +248,28 @@ def test_the_command_says_it_in_its_first_line_and_its_exit_code(
     assert_stands(topple.load_scene(tmp_path / "0.08", fixed="table", up=(0, 0, 1)))
 
 
-def test_clouds_of_which_none_is_a_convex_body_are_checked() -> None:
+def test_clouds_of_which_none_is_a_convex_body_are_checked():
     rng = np.random.default_rng(0)
     clouds = {"table": np.column_stack([rng.uniform(-0.5, 0.5, (4000, 2)), np.zeros(4000)])}
     clouds["foam"] = rng.uniform((-0.05, -0.05, 0.0), (0.05, 0.05, 0.1), (3000, 3))  # points all through it
     assert check(Scene(clouds, ["table"], (0, 0, 1))).sentence() == "1 of 1 stand"
 
 
-def test_a_mesh_whose_faces_have_no_area_is_taken_as_its_points() -> None:
+def test_a_mesh_whose_faces_have_no_area_is_taken_as_its_points():
     wire = Mesh(box((0.1, 0.1, 0.1), (0, 0, 0.05)).vertices, np.array([[0, 0, 1], [2, 3, 3]]))
     clouds = {"table": TABLE.vertices, "wire": wire.vertices}
     found = check(Scene(clouds, ["table"], (0, 0, 1), meshes={"table": TABLE, "wire": wire}))
     assert not found.exact
 
 
-def test_what_cannot_be_checked_is_refused() -> None:
+def test_what_cannot_be_checked_is_refused():
     with pytest.raises(InvalidInput, match="nothing in the scene can move"):
         check(scene({}))
     with pytest.raises(InvalidInput, match="does not say where up is"):
         check(Scene({"mug": CUBE}))
 
 
-def test_a_stack_withstands_by_its_weights_what_the_programme_of_forces_says(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_stack_withstands_by_its_weights_what_the_programme_of_forces_says(monkeypatch):
     """On rough surfaces: a pyramid of friction is inside of the cone; what falls is the same, too."""
     meshes = {
         "low": box((0.1, 0.12, 0.05), (0, 0, 0.025), yaw=0.3),
@@ -301,9 +295,7 @@ def test_a_stack_withstands_by_its_weights_what_the_programme_of_forces_says(
 
 
 @pytest.mark.parametrize("engine", ["bullet", "mujoco"])
-def test_simulation_says_the_same_and_where_it_does_not_that_is_shown(
-    engine: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_simulation_says_the_same_and_where_it_does_not_that_is_shown(engine, tmp_path, typed):
     """Of what stands, tips and floats; and where statics is made to say something else."""
     pytest.importorskip("pybullet" if engine == "bullet" else engine)
     meshes = {
@@ -324,5 +316,5 @@ def test_simulation_says_the_same_and_where_it_does_not_that_is_shown(
         said = replace(found, objects={**found.objects, "mug": found.objects["block"]})
         assert play(made, said).disagreeing == ("mug",)
         made.save(tmp_path / "made")
-        assert main(["check", str(tmp_path / "made"), "--play", "--json"]) == 1
-        assert json.loads(capsys.readouterr().out)["played"]["disagreeing"] == []
+        found = typed("check", tmp_path / "made", "--play", "--json", code=1).document
+        assert found["played"]["disagreeing"] == []

@@ -20,7 +20,7 @@ def cloud(mesh: trimesh.Trimesh, seed: int = 0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("size", [(0.1, 0.08, 0.05), (0.25, 0.06, 0.01)])
-def test_the_faces_of_a_box_are_where_all_their_points_say(size: tuple[float, float, float]) -> None:
+def test_the_faces_of_a_box_are_where_all_their_points_say(size):
     turn = Rotation.from_euler("xyz", [0.4, -0.7, 1.1])
     points = turn.apply(cloud(trimesh.creation.box(size)))
     solid = solid_of(points, *noise_and_spacing(points))
@@ -30,7 +30,7 @@ def test_the_faces_of_a_box_are_where_all_their_points_say(size: tuple[float, fl
     assert trimesh.Trimesh(solid.vertices, solid.faces).volume == pytest.approx(np.prod(size), rel=0.03)
 
 
-def test_a_ball_is_as_large_as_it_is_within_its_noise_and_hollow_things_are_no_solids() -> None:
+def test_a_ball_is_as_large_as_it_is_within_its_noise_and_hollow_things_are_no_solids():
     ball = cloud(trimesh.creation.icosphere(subdivisions=4, radius=0.03))
     solid = solid_of(ball, *noise_and_spacing(ball))
     assert solid is not None
@@ -42,7 +42,7 @@ def test_a_ball_is_as_large_as_it_is_within_its_noise_and_hollow_things_are_no_s
 
 
 @pytest.mark.parametrize(("beyond", "verdict"), [(-0.003, "stands"), (0.004, "tips")])
-def test_the_edge_of_a_cloud_is_told_to_millimetres(beyond: float, verdict: str) -> None:
+def test_the_edge_of_a_cloud_is_told_to_millimetres(beyond, verdict):
     boxes = {
         "table": ((0.6, 0.6, 0.04), (0, 0, -0.02)),
         "base": ((0.08, 0.1, 0.06), (0, 0, 0.03)),

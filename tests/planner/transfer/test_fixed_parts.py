@@ -72,7 +72,7 @@ def inside(found: Plan, part: str) -> int:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("part", "spacing"), [("wall", 0.02), ("crate", 0.006)])
-def test_a_plan_keeps_clear_of_every_part_of_a_fixed_cloud(part: str, spacing: float) -> None:
+def test_a_plan_keeps_clear_of_every_part_of_a_fixed_cloud(part, spacing):
     scene, bare = scene_with(part, spacing), scene_with(None, spacing)
     found = plan(scene, ["can"], "panda", base=BASE)
     assert inside(found, part) == 0
@@ -86,9 +86,7 @@ def test_a_plan_keeps_clear_of_every_part_of_a_fixed_cloud(part: str, spacing: f
     ("spacing", "noise", "sparse"), [(0.005, 0.002, 0.005), (0.02, 0.0, 0.02), (0.004, 0.001, 0.025)]
 )
 @pytest.mark.parametrize("part", list(PARTS))
-def test_however_dense_a_fixed_cloud_is_nothing_of_it_is_left_out(
-    part: str, spacing: float, noise: float, sparse: float
-) -> None:
+def test_however_dense_a_fixed_cloud_is_nothing_of_it_is_left_out(part, spacing, noise, sparse):
     scene = scene_with(part, spacing, noise, sparse)
     body, pose = true(part)
     hulls = [Hull.of(solid) for solid in solids_of(scene)["table"]]
@@ -105,7 +103,7 @@ def test_however_dense_a_fixed_cloud_is_nothing_of_it_is_left_out(
     assert 0.0 in levels and levels <= {0.0, 0.14}  # and no top is made up
 
 
-def test_strays_above_a_table_are_no_part_of_it() -> None:
+def test_strays_above_a_table_are_no_part_of_it():
     rng = np.random.default_rng(0)
     table = sheet((-0.45, -0.45), (0.45, 0.45), 0.006)
     strays = rng.uniform((-0.4, -0.4, 0.02), (0.4, 0.4, 0.3), (100, 3))
@@ -123,7 +121,7 @@ def corner_bench(spacing: float = 0.01) -> Scene:
     return Scene({"bench": bench, "floor": floor, "can": can}, fixed=["bench", "floor"], up=UP)
 
 
-def test_a_bench_like_an_l_does_not_fill_its_corner() -> None:
+def test_a_bench_like_an_l_does_not_fill_its_corner():
     scene = corner_bench()
     hulls = [Hull.of(solid) for solid in solids_of(scene)["bench"]]
     for place, filled in (((0.05, -0.06, 0.19), False), ((-0.3, -0.3, 0.19), True), ((0.3, 0.3, 0.19), True)):

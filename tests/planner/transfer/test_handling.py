@@ -6,6 +6,7 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from on_table import BASE
 
 from topple.planner.failure import FailureLog
 from topple.planner.grasp.grasp import Grasp
@@ -22,8 +23,6 @@ from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
 PANDA, CUP = robot("panda"), robot("panda-suction")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 SIDE = 0.05  # [m] of the cube, which stands at the origin
 LENGTH = 0.08  # [m] of the straight ways here
 
@@ -81,7 +80,7 @@ def standing(made: Handling, log: FailureLog) -> Reached:
 
 
 @pytest.mark.parametrize(("arm", "grasp", "turns"), [(PANDA, pinch(), 2), (CUP, sucking(), 4)])
-def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: Grasp, turns: int) -> None:
+def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm, grasp, turns):
     made, log = handling(arm)
     hands = list(made.hands([grasp], np.array(arm.home), log))
     angles = sorted(
@@ -95,7 +94,7 @@ def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: G
     assert not log.reasons
 
 
-def test_pads_that_swing_as_they_close_come_to_where_the_grasp_has_them() -> None:
+def test_pads_that_swing_as_they_close_come_to_where_the_grasp_has_them():
     arm = robot("xarm6")
     made, log = handling(arm)
     hands = list(made.hands([replace(pinch(), width=0.08, opening=0.085)], np.array(arm.home), log))
@@ -106,7 +105,7 @@ def test_pads_that_swing_as_they_close_come_to_where_the_grasp_has_them() -> Non
         assert np.abs(tools(arm, states)[:, 2, 3] - hand.pose_tool_to_world[2, 3]).max() > 5e-3
 
 
-def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets() -> None:
+def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets():
     wall = block((-0.1, 0.1), (SIDE / 2 + 0.001, SIDE / 2 + 0.04), (0.0, 0.2))
     made, log = handling(wall=wall)
     assert list(made.hands([pinch()], np.array(PANDA.home), log)) == []
@@ -116,13 +115,13 @@ def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets() -> Non
     assert log.furthest.pair is not None and log.furthest.pair[1] == "wall"
 
 
-def test_a_grasp_out_of_reach_is_left_out_and_says_so() -> None:
+def test_a_grasp_out_of_reach_is_left_out_and_says_so():
     made, log = handling()
     assert list(made.hands([pinch(x=2.0)], np.array(PANDA.home), log)) == []
     assert dict(log.reasons) == {"grasp out of reach": 2}
 
 
-def test_of_each_hand_at_most_two_free_states_are_kept() -> None:
+def test_of_each_hand_at_most_two_free_states_are_kept():
     made, log = handling()
     hands = list(made.hands([pinch()], np.array(PANDA.home), log))
     found = list(made.reached(hands, False, log))
@@ -133,7 +132,7 @@ def test_of_each_hand_at_most_two_free_states_are_kept() -> None:
         assert np.abs(tools(PANDA, state.q[None])[0] - state.grasp.pose_tool_to_world).max() < 1e-4
 
 
-def test_the_way_in_comes_straight_along_the_approach_and_ends_in_the_grasp() -> None:
+def test_the_way_in_comes_straight_along_the_approach_and_ends_in_the_grasp():
     made, log = handling()
     state = standing(made, log)
     path = made.approach(state, LENGTH, log).path
@@ -145,7 +144,7 @@ def test_the_way_in_comes_straight_along_the_approach_and_ends_in_the_grasp() ->
     assert (np.diff(line[:, 2]) < 1e-6).all()
 
 
-def test_the_way_up_starts_in_the_grasp_and_rises_straight() -> None:
+def test_the_way_up_starts_in_the_grasp_and_rises_straight():
     made, log = handling()
     state = standing(made, log)
     path = made.lift(state, LENGTH, log).path
@@ -156,7 +155,7 @@ def test_the_way_up_starts_in_the_grasp_and_rises_straight() -> None:
     assert np.abs(line[:, :2]).max() < 1e-3
 
 
-def test_a_way_up_into_something_is_none_and_says_what_is_met() -> None:
+def test_a_way_up_into_something_is_none_and_says_what_is_met():
     bar = block((SIDE / 2 - 0.005, 0.2), (-0.03, 0.03), (SIDE + 0.02, SIDE + 0.04))
     free, _ = handling()
     made, log = handling(bar=bar)
@@ -167,14 +166,14 @@ def test_a_way_up_into_something_is_none_and_says_what_is_met() -> None:
     assert log.furthest is not None and log.furthest.step == "lift"
 
 
-def test_a_way_beyond_the_reach_of_the_arm_is_none_and_says_so() -> None:
+def test_a_way_beyond_the_reach_of_the_arm_is_none_and_says_so():
     made, log = handling()
     state = standing(made, log)
     assert made.lift(state, 2.0, log).path is None
     assert dict(log.reasons) == {"no straight lift within the arm's reach": 1}
 
 
-def test_only_places_where_object_and_hand_are_free_are_open() -> None:
+def test_only_places_where_object_and_hand_are_free_are_open():
     post = block((0.02, 0.08), (0.22, 0.28), (0.0, 0.3))
     made, log = handling(post=post)
     free, taken = moved_by(0.05, -0.25), moved_by(0.05, 0.25)
@@ -183,7 +182,7 @@ def test_only_places_where_object_and_hand_are_free_are_open() -> None:
     assert log.furthest is not None and log.furthest.step == "place"
 
 
-def test_an_end_comes_down_onto_its_place_and_draws_back_from_it() -> None:
+def test_an_end_comes_down_onto_its_place_and_draws_back_from_it():
     made, log = handling()
     state = standing(made, log)
     place, far = moved_by(0.05, -0.25), moved_by(2.0, 0.0)
@@ -199,7 +198,7 @@ def test_an_end_comes_down_onto_its_place_and_draws_back_from_it() -> None:
     assert made.checker(SegmentKind.TRANSFER, state.grasp).free(densely(end.lower, 0.02)).all()
 
 
-def test_the_ends_of_the_first_places_come_first() -> None:
+def test_the_ends_of_the_first_places_come_first():
     made, log = handling()
     state = standing(made, log)
     places = [moved_by(0.05, y) for y in (-0.25, 0.2, 0.28)]

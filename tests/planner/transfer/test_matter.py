@@ -72,7 +72,7 @@ def behind() -> Scene:
     return seen(ACROSS)
 
 
-def test_a_screen_is_an_obstacle_and_no_object(behind: Scene) -> None:
+def test_a_screen_is_an_obstacle_and_no_object(behind):
     assert behind.movable == ("box",)
     solids = Situation(behind).solids
     assert set(behind.names) == {"table", "box"} and set(solids) == {"table", "box", MATTER}
@@ -83,7 +83,7 @@ def test_a_screen_is_an_obstacle_and_no_object(behind: Scene) -> None:
     assert sum("reaches beyond the objects" in said for said in behind.assumptions) == 1
 
 
-def test_an_arm_goes_round_a_screen_and_never_through(behind: Scene) -> None:
+def test_an_arm_goes_round_a_screen_and_never_through(behind):
     try:
         found = plan(behind, ["box"], "panda", base=BASE)
     except NoSafePlan as error:
@@ -94,7 +94,7 @@ def test_an_arm_goes_round_a_screen_and_never_through(behind: Scene) -> None:
     assert checked.ok, [(bad.name, bad.value, bad.witness) for bad in checked.failed]
 
 
-def test_a_plan_through_a_screen_is_refuted() -> None:
+def test_a_plan_through_a_screen_is_refuted():
     close = pose_at(-0.08, 0.0, 0.0)
     blind = seen(close, unnamed=False)
     assert MATTER not in Situation(blind).solids
@@ -104,7 +104,7 @@ def test_a_plan_through_a_screen_is_refuted() -> None:
     assert "collisions (python-fcl)" in [bad.name for bad in found.verify(seen(close)).failed]
 
 
-def test_nothing_is_put_into_a_screen_and_hands_keep_clear(behind: Scene) -> None:
+def test_nothing_is_put_into_a_screen_and_hands_keep_clear(behind):
     (top,) = free_spaces(Situation(behind), tall=0.1)
     cell = np.floor((np.array([-0.14, 0.1]) - top.origin) / top.cell).astype(int)
     assert top.distance[tuple(cell)] == 0.0
@@ -112,14 +112,14 @@ def test_nothing_is_put_into_a_screen_and_hands_keep_clear(behind: Scene) -> Non
     assert MATTER in surroundings("box", close, np.array([0.0, 0.0, 1.0])).names
 
 
-def test_a_box_against_a_wall_is_taken() -> None:
+def test_a_box_against_a_wall_is_taken():
     wall, against = shapes.box("screen", (0.01, 0.7, 0.12)), pose_at(0.031, 0.0, 0.0)
     found = plan(seen(against, what=wall), ["box"], "panda", base=BASE)
     assert deepest(found, against, wall) == 0
 
 
 @pytest.mark.slow
-def test_a_run_sees_the_screen_as_matter_and_goes_round_it(behind: Scene) -> None:
+def test_a_run_sees_the_screen_as_matter_and_goes_round_it(behind):
     record = run(behind, ["box"], "panda", base=BASE)
     assert record.success, record.violations
     assert record.scene is not None and set(record.scene.names) == {"table", "box"}

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from moving import at
 from on_table import BASE, on_table
 
 from topple.benchmarks.sabotages.caught import CASES, ROUGH, planned, scene_for
@@ -49,7 +50,7 @@ def alone(reach: float = 0.0, **seen: Any) -> Scene:
     return Scene(scene.clouds, fixed=["table"], up=[0, 0, 1], **seen)
 
 
-def test_an_arm_that_stands_20_cm_beside_where_the_scene_has_it() -> None:
+def test_an_arm_that_stands_20_cm_beside_where_the_scene_has_it():
     beside = BASE.copy()
     beside[1, 3] += 0.2
     made = planned(*CASE)
@@ -59,7 +60,7 @@ def test_an_arm_that_stands_20_cm_beside_where_the_scene_has_it() -> None:
     assert verify(made, scene_for(CASE[0]).with_base(BASE), step=ROUGH).ok
 
 
-def test_a_base_of_ones_own_replaces_that_of_the_scene() -> None:
+def test_a_base_of_ones_own_replaces_that_of_the_scene():
     beside = BASE.copy()
     beside[1, 3] += 0.1
     made = plan(alone(robot_base=beside), ["block"], "panda", base=BASE)
@@ -67,7 +68,7 @@ def test_a_base_of_ones_own_replaces_that_of_the_scene() -> None:
 
 
 @pytest.mark.parametrize(("mass", "what"), [(30.0, {CARRIES, HOLDS}), (4.0, {CARRIES}), (2.0, set())])
-def test_what_is_weighed_is_held_against_arm_and_hand(mass: float, what: set[str]) -> None:
+def test_what_is_weighed_is_held_against_arm_and_hand(mass, what):
     weighed = scene_for(CASE[0]).weighed({"lower": mass, "upper": 0.1})
     assert refuted(verify(planned(*CASE), weighed, step=ROUGH)) == what
     if what:
@@ -75,7 +76,7 @@ def test_what_is_weighed_is_held_against_arm_and_hand(mass: float, what: set[str
             plan(weighed, "free lower", "panda", base=BASE)
 
 
-def test_joints_that_cannot_hold_a_load_are_named_with_their_figures() -> None:
+def test_joints_that_cannot_hold_a_load_are_named_with_their_figures():
     """Within the rated payload, and beyond what a joint of an xArm holds far out."""
     far, arm = alone(0.25), robot("xarm6")
     made = plan(far, ["block"], arm, base=BASE)
@@ -88,10 +89,9 @@ def test_joints_that_cannot_hold_a_load_are_named_with_their_figures() -> None:
         plan(heavy, ["block"], arm, base=BASE)
 
 
-def test_a_load_pressed_into_the_table_that_it_is_said_to_be_put_into() -> None:
+def test_a_load_pressed_into_the_table_that_it_is_said_to_be_put_into():
     scene, arm, start = alone(), robot("panda"), np.asarray(robot("panda").home)
-    place = np.eye(4)
-    place[:3, 3] = (0.05, 0.12, -0.03)
+    place = at(0.05, 0.12, -0.03)
     into = Placement(place, 1.0, into="table", how=PlaceRelation.ON)
     found = plan_transfer("block", scene, Station(arm, BASE, start), TransferRequest([into]))
     assert isinstance(found, Transfer), found
@@ -103,7 +103,7 @@ def test_a_load_pressed_into_the_table_that_it_is_said_to_be_put_into() -> None:
     assert 0.005 < pressed.value < 0.03 and "table in block" in pressed.witness
 
 
-def test_pads_that_are_11_mm_further_apart_than_the_object_is_wide() -> None:
+def test_pads_that_are_11_mm_further_apart_than_the_object_is_wide():
     forged = document()
     for step in forged["steps"]:
         step["grasp"]["width"] += 0.011
@@ -115,7 +115,7 @@ def test_pads_that_are_11_mm_further_apart_than_the_object_is_wide() -> None:
     assert "50 mm wide between the pads, which close to 61 mm" in str(checked.failed)
 
 
-def test_a_foot_that_no_camera_saw_and_nobody_guesses() -> None:
+def test_a_foot_that_no_camera_saw_and_nobody_guesses():
     seen = alone(viewpoints=[[0.6, 0.0, 0.8], [-0.2, 0.6, 0.7]])
     made = plan(seen, ["block"], "panda", base=BASE)
     forged = json.loads(plan_to_json(made))
@@ -127,7 +127,7 @@ def test_a_foot_that_no_camera_saw_and_nobody_guesses() -> None:
     assert checked["hidden sides of the plan beyond the scene's"] > 0.05
 
 
-def test_speeds_by_which_a_controller_leaves_the_path_that_was_checked() -> None:
+def test_speeds_by_which_a_controller_leaves_the_path_that_was_checked():
     forged = document()
     a_spline_that_swings_out(forged)
     checked = verify(read(forged), scene_for(CASE[0]), step=ROUGH)
@@ -214,12 +214,12 @@ def unnoticed(names: list[str]) -> set[str]:
     return passed
 
 
-def test_some_fields_that_are_another_are_noticed() -> None:
+def test_some_fields_that_are_another_are_noticed():
     names = sorted(forgeries().keys() - FREE.keys())
     assert len(names) > 60 and forgeries().keys() >= FREE.keys()
     assert not unnoticed(names[::12])
 
 
 @pytest.mark.slow
-def test_every_field_that_is_another_is_noticed_but_those_that_are_free() -> None:
+def test_every_field_that_is_another_is_noticed_but_those_that_are_free():
     assert unnoticed(sorted(forgeries())) == FREE.keys()

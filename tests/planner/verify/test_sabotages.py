@@ -19,12 +19,12 @@ BOTH = [pytest.param(*case, marks=() if case == CASES[0] else pytest.mark.slow) 
 
 
 @pytest.mark.parametrize(("goal", "arm"), BOTH)
-def test_an_honest_plan_holds(goal: str, arm: str) -> None:
+def test_an_honest_plan_holds(goal, arm):
     checked = verify(planned(goal, arm), scene_for(goal), step=ROUGH)
     assert checked.ok, beyond(checked)
 
 
-def test_some_sabotages_are_caught_and_told_of() -> None:
+def test_some_sabotages_are_caught_and_told_of():
     found = catch(CASES[0], every=12)
     assert found.tried > len(SPOILT) // 12 - 3
     assert not found.escaped
@@ -32,7 +32,7 @@ def test_some_sabotages_are_caught_and_told_of() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
-def test_every_sabotage_is_caught_and_told_of(case: tuple[str, str]) -> None:
+def test_every_sabotage_is_caught_and_told_of(case):
     # Each on two plans, of different scenes and hands; `topple bench reliability` tries each on all six.
     found = catch(case, every=3, first=CASES.index(case) % 3)
     assert found.tried > len(SPOILT) // 3 - 6
@@ -40,7 +40,7 @@ def test_every_sabotage_is_caught_and_told_of(case: tuple[str, str]) -> None:
 
 
 @pytest.mark.parametrize("spoil", UNREADABLE, ids=lambda spoil: str(spoil.__name__))
-def test_what_is_no_plan_is_refused_by_path(spoil: object) -> None:
+def test_what_is_no_plan_is_refused_by_path(spoil):
     document = json.loads(plan_to_json(planned(*CASES[0])))
     spoil(document)  # type: ignore[operator]
     with pytest.raises(InvalidInput, match=r"`\$\.steps\[\d\]"):

@@ -37,14 +37,14 @@ def checked(found: Plan) -> Verification:
     return plan_from_json(plan_to_json(found)).verify(stacked())
 
 
-def test_a_plan_read_back_holds_by_every_other_means(checked: Verification) -> None:
+def test_a_plan_read_back_holds_by_every_other_means(checked):
     bad = [(r.name, r.value, r.witness) for r in checked.residuals if not r.ok]
     assert not bad
     assert checked.ok
     assert checked.states > 1000
 
 
-def test_without_the_scene_what_needs_it_is_infinite_and_the_rest_holds(found: Plan) -> None:
+def test_without_the_scene_what_needs_it_is_infinite_and_the_rest_holds(found):
     bare = verify(found, step=ROUGH)
     assert {residual.name for residual in bare.left_out} == {
         "dependencies of the scene broken",
@@ -67,7 +67,7 @@ def test_without_the_scene_what_needs_it_is_infinite_and_the_rest_holds(found: P
     assert not bare.ok
 
 
-def test_the_record_is_json_with_units_and_nulls(found: Plan, checked: Verification) -> None:
+def test_the_record_is_json_with_units_and_nulls(found, checked):
     document = json.loads(json.dumps(checked.to_json()))
     assert document["ok"] is True
     assert {row["unit"] for row in document["residuals"]} <= {"m", "rad", "rad/s", "s", "kg", "N", "1"}
@@ -75,7 +75,7 @@ def test_the_record_is_json_with_units_and_nulls(found: Plan, checked: Verificat
     assert None in [row["value"] for row in bare["residuals"]]
 
 
-def test_each_step_says_what_is_proven_by_which_means_and_nothing_is_open(checked: Verification) -> None:
+def test_each_step_says_what_is_proven_by_which_means_and_nothing_is_open(checked):
     assert [(one.step, one.object, one.action) for one in checked.steps] == [
         (0, "upper", "remove"),
         (1, "lower", "free"),
@@ -96,13 +96,13 @@ def test_each_step_says_what_is_proven_by_which_means_and_nothing_is_open(checke
     assert "torques of speeding up" in checked.unasked
 
 
-def test_every_residual_is_one_row_of_the_table(checked: Verification) -> None:
+def test_every_residual_is_one_row_of_the_table(checked):
     rows = [(check.name, check.unit) for claim in (*OF_STEPS, *OF_PLANS) for check in claim.checks]
     assert rows == [(residual.name, residual.unit) for residual in checked.residuals]
     assert len({name for name, _ in rows}) == len(rows) > 40
 
 
-def test_without_the_scene_steps_say_what_was_not_looked_at(found: Plan) -> None:
+def test_without_the_scene_steps_say_what_was_not_looked_at(found):
     bare = verify(found, step=ROUGH)
     for one in bare.steps:
         assert {(proof.what, proof.detail) for proof in one.unchecked} == {
@@ -112,7 +112,7 @@ def test_without_the_scene_steps_say_what_was_not_looked_at(found: Plan) -> None
     assert all(proof.shown is None for proof in bare.whole)
 
 
-def test_what_is_known_to_be_too_heavy_is_shown_not_to_be_held(found: Plan) -> None:
+def test_what_is_known_to_be_too_heavy_is_shown_not_to_be_held(found):
     checked = verify(found, stacked().weighed({"lower": 30.0, "upper": 0.1}), step=ROUGH)
     (first,), (second,) = (
         [proof for proof in one.proofs if proof.what == "its weight is held"] for one in checked.steps
@@ -121,7 +121,7 @@ def test_what_is_known_to_be_too_heavy_is_shown_not_to_be_held(found: Plan) -> N
     assert second.shown is False and "294 N, the fingers hold" in second.detail
 
 
-def test_what_states_far_apart_do_not_see_no_certificate_covers(found: Plan) -> None:
+def test_what_states_far_apart_do_not_see_no_certificate_covers(found):
     """Looked at in their first and last state alone, motions past the tall box are not proven free.
 
     A plan that says they were is refuted, and one that does not is none.
@@ -133,7 +133,7 @@ def test_what_states_far_apart_do_not_see_no_certificate_covers(found: Plan) -> 
     assert any(proof.means.startswith("swept") for proof in checked.steps[1].proven)
 
 
-def test_what_has_no_motion_is_not_taken_for_proven(found: Plan) -> None:
+def test_what_has_no_motion_is_not_taken_for_proven(found):
     checked = verify(spoiled(found, do_nothing_in_step_1), stacked(), step=ROUGH)
     assert {proof.detail for proof in checked.steps[0].unchecked} >= {
         "there is no motion",
@@ -154,9 +154,7 @@ def test_what_has_no_motion_is_not_taken_for_proven(found: Plan) -> None:
         ("take_hold_beside", 1, "it is held from grasp to release"),
     ],
 )
-def test_the_step_in_which_it_is_spoiled_is_the_one_refuted(
-    found: Plan, change: str, step: int, what: str
-) -> None:
+def test_the_step_in_which_it_is_spoiled_is_the_one_refuted(found, change, step, what):
     checked = checked_once(found, globals()[change])
     assert what in [proof.what for proof in checked.steps[step].refuted]
     assert what in [proof.what for proof in checked.steps[1 - step].proven]
@@ -258,7 +256,7 @@ def leave_the_goal_out(document: dict) -> None:
         (leave_the_goal_out, "goal clauses unmet"),
     ],
 )
-def test_what_is_spoiled_is_found_where_it_is(found: Plan, change: object, name: str) -> None:
+def test_what_is_spoiled_is_found_where_it_is(found, change, name):
     residuals = {r.name: r for r in checked_once(found, change).residuals}
     assert residuals[name].value > 0.0
     assert residuals[name].witness
@@ -274,7 +272,7 @@ def checked_once(found: Plan, change: object) -> Verification:
     return _CHECKED[change]
 
 
-def test_another_scene_or_arm_is_refused(found: Plan) -> None:
+def test_another_scene_or_arm_is_refused(found):
     with pytest.raises(InvalidInput, match="tall"):
         found.verify(stacked().without("tall"))
     with pytest.raises(InvalidInput, match="give its arm"):

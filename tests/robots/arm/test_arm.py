@@ -24,7 +24,7 @@ def random_states(arm: Arm, count: int, seed: int = 0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", names())
-def test_forward_kinematics_agree_with_pybullet(name: str) -> None:
+def test_forward_kinematics_agree_with_pybullet(name):
     arm = robot(name)
     state = ToolState(0.6 * arm.open_hand.opening, 0.03)
     client = pybullet.connect(pybullet.DIRECT)
@@ -57,7 +57,7 @@ def test_forward_kinematics_agree_with_pybullet(name: str) -> None:
         pybullet.disconnect(client)
 
 
-def test_poses_are_the_frames_with_the_states_last() -> None:
+def test_poses_are_the_frames_with_the_states_last():
     arm = robot("panda")
     q = random_states(arm, 50)
     poses = arm.chain.poses(q)
@@ -65,7 +65,7 @@ def test_poses_are_the_frames_with_the_states_last() -> None:
     assert np.abs(poses[-1, :, 3].T - arm.chain.frames(q)[:, -1, :3, 3]).max() == 0
 
 
-def test_jacobian_is_the_derivative_of_the_tool_pose() -> None:
+def test_jacobian_is_the_derivative_of_the_tool_pose():
     arm = robot("panda")
     q = random_states(arm, 1)
     frames = arm.chain.frames(q)
@@ -76,7 +76,7 @@ def test_jacobian_is_the_derivative_of_the_tool_pose() -> None:
 
 
 @pytest.mark.parametrize("name", names())
-def test_inverse_solutions_reach_the_pose_within_limits(name: str) -> None:
+def test_inverse_solutions_reach_the_pose_within_limits(name):
     arm = robot(name)
     assert arm.tools
     for tool in arm.tools:
@@ -88,7 +88,7 @@ def test_inverse_solutions_reach_the_pose_within_limits(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", names())
-def test_nearly_all_reachable_top_down_targets_are_solved(name: str) -> None:
+def test_nearly_all_reachable_top_down_targets_are_solved(name):
     arm = robot(name)
     rng = np.random.default_rng(1)
     radius, turn = rng.uniform(0.35, 0.6, 60), rng.uniform(-1.5, 1.5, 60)
@@ -107,7 +107,7 @@ def test_nearly_all_reachable_top_down_targets_are_solved(name: str) -> None:
     assert sum(np.logical_and(some, many)) >= 0.995 * sum(many)
 
 
-def test_inverse_solutions_differ_and_the_nearest_comes_first() -> None:
+def test_inverse_solutions_differ_and_the_nearest_comes_first():
     arm = robot("panda")
     near = np.array([0.3, -0.4, 0.1, -2.2, 0.2, 1.9, 0.5])
     (found,) = arm.inverse(arm.tool_pose(near), near=near)
@@ -117,19 +117,19 @@ def test_inverse_solutions_differ_and_the_nearest_comes_first() -> None:
     assert distances.min() > 0.1
 
 
-def test_inverse_is_the_same_for_the_same_seed() -> None:
+def test_inverse_is_the_same_for_the_same_seed():
     arm = robot("panda")
     target = top_down(0.5, 0.1, 0.2, 0.3)
     first, second = (arm.inverse(target, rng=np.random.default_rng(3))[0] for _ in range(2))
     assert np.array_equal(first, second)
 
 
-def test_out_of_reach_has_no_solution() -> None:
+def test_out_of_reach_has_no_solution():
     arm = robot("panda")
     assert arm.inverse(top_down(2.0, 0.0, 0.2, 0.0))[0].shape == (0, 7)
 
 
-def test_self_pairs_leave_out_neighbours_and_what_never_meets() -> None:
+def test_self_pairs_leave_out_neighbours_and_what_never_meets():
     arm = robot("panda")
     pairs = {(arm.links[i], arm.links[j]) for i, j in arm.self_pairs}
     assert len(pairs) == 22
@@ -138,7 +138,7 @@ def test_self_pairs_leave_out_neighbours_and_what_never_meets() -> None:
     assert ("panda_hand", "panda_leftfinger") not in pairs
 
 
-def test_asking_for_a_tool_it_lacks_names_those_it_has() -> None:
+def test_asking_for_a_tool_it_lacks_names_those_it_has():
     with pytest.raises(InvalidInput, match="panda has no tool 'suction'; it has fingers"):
         robot("panda").tool_pose(np.zeros(7), "suction")
 
@@ -158,7 +158,7 @@ def written(folder: Path, **changes: str) -> Path:
     return path
 
 
-def test_any_urdf_makes_an_arm(tmp_path: Path) -> None:
+def test_any_urdf_makes_an_arm(tmp_path):
     arm = Arm.from_urdf(written(tmp_path), "tip")
     assert arm.joints == ("turn", "slide")
     pose = arm.forward(np.array([np.pi / 2, 0.2]))[0, arm.links.index("tip")]
@@ -180,14 +180,12 @@ def test_any_urdf_makes_an_arm(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_urdf_that_lacks_something_is_refused_by_name(
-    tmp_path: Path, changes: dict[str, str], tool_frame: str, message: str
-) -> None:
+def test_a_urdf_that_lacks_something_is_refused_by_name(tmp_path, changes, tool_frame, message):
     with pytest.raises(InvalidInput, match=message):
         Arm.from_urdf(written(tmp_path, **changes), tool_frame)
 
 
-def test_what_is_no_urdf_is_refused(tmp_path: Path) -> None:
+def test_what_is_no_urdf_is_refused(tmp_path):
     path = tmp_path / "broken.urdf"
     path.write_text("<robot")
     with pytest.raises(InvalidInput, match="not XML"):
@@ -196,9 +194,7 @@ def test_what_is_no_urdf_is_refused(tmp_path: Path) -> None:
         Arm.from_urdf(tmp_path / "absent.urdf", "tip")
 
 
-def test_the_panda_is_read_from_robosuite_where_pybullet_is_missing(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_panda_is_read_from_robosuite_where_pybullet_is_missing(monkeypatch, tmp_path):
     import topple.robots.catalog as catalog
     from topple.robots.catalog import data
 

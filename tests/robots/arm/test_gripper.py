@@ -10,7 +10,7 @@ from topple.robots.catalog import names, robot
 
 @pytest.mark.parametrize("name", names())
 @given(share=st.floats(0.0, 1.0))
-def test_opening_and_joint_values_are_inverse(name: str, share: float) -> None:
+def test_opening_and_joint_values_are_inverse(name, share):
     jaw = robot(name).jaw
     assert jaw is not None
     opening = jaw.openings[0] + share * (jaw.max_opening - jaw.openings[0])
@@ -18,7 +18,7 @@ def test_opening_and_joint_values_are_inverse(name: str, share: float) -> None:
 
 
 @pytest.mark.parametrize("name", names())
-def test_finger_links_move_along_the_closing_direction(name: str) -> None:
+def test_finger_links_move_along_the_closing_direction(name):
     arm = robot(name)
     jaw = arm.jaw
     assert jaw is not None
@@ -44,7 +44,7 @@ def test_finger_links_move_along_the_closing_direction(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", names())
-def test_tips_are_as_far_beyond_the_pads_at_every_opening(name: str) -> None:
+def test_tips_are_as_far_beyond_the_pads_at_every_opening(name):
     arm = robot(name)
     jaw, tool = arm.jaw, arm.tools["fingers"]
     assert jaw is not None
@@ -61,19 +61,19 @@ def test_tips_are_as_far_beyond_the_pads_at_every_opening(name: str) -> None:
     assert (tool.pads(0.0) == np.eye(4)).all() == slides, "only a linkage swings its pads"
 
 
-def test_beyond_its_stroke_a_jaw_stays_at_the_end() -> None:
+def test_beyond_its_stroke_a_jaw_stays_at_the_end():
     jaw = robot("panda").jaw
     assert jaw is not None
     assert jaw.values(ToolState(1.0)) == jaw.values(jaw.limits)
     assert jaw.values(ToolState(-1.0)) == jaw.values(ToolState())
 
 
-def test_a_fixed_cup_has_no_joint_and_a_retractable_one_is_clipped() -> None:
+def test_a_fixed_cup_has_no_joint_and_a_retractable_one_is_clipped():
     assert SuctionCup("cup", None, 0.0, 0.015, 42.0).values(ToolState(0.0, 0.1)) == {}
     assert SuctionCup("cup", "push", 0.05, 0.015, 42.0).values(ToolState(0.0, 0.1)) == {"push": 0.05}
 
 
-def test_a_lip_follows_a_slope_and_has_to_bridge_what_no_plane_has() -> None:
+def test_a_lip_follows_a_slope_and_has_to_bridge_what_no_plane_has():
     turn = np.arange(16) * np.pi / 8
     ring = 0.015 * np.column_stack([np.cos(turn), np.sin(turn)])
     slope = 0.001 + ring @ np.array([0.1, -0.2])

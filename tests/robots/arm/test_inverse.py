@@ -1,7 +1,5 @@
 """Inverse kinematics: by kernel and twin, and of arms that reach next to no pose exactly."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from few_joints import written
@@ -14,7 +12,7 @@ from topple.topology.kernels import compiled
 
 
 @pytest.mark.parametrize("name", ["scara", "gantry"])
-def test_an_arm_of_four_joints_comes_as_near_as_it_can(name: str, tmp_path: Path) -> None:
+def test_an_arm_of_four_joints_comes_as_near_as_it_can(name, tmp_path):
     arm = robot(written(name, tmp_path))
     pose = arm.tool_pose(np.array([0.1, 0.2, 0.1, 0.3]))[0]
     for tilt, reached in ((0.0, True), (0.03, True), (0.1, False)):
@@ -30,9 +28,7 @@ def test_an_arm_of_four_joints_comes_as_near_as_it_can(name: str, tmp_path: Path
 
 @pytest.mark.skipif(compiled.kernels() is None, reason="no kernels were compiled here")
 @pytest.mark.parametrize("name", ["panda", "gantry", "scara"])
-def test_kernel_and_twin_solve_from_the_same_starts(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_kernel_and_twin_solve_from_the_same_starts(name, tmp_path, monkeypatch):
     arm, rng = robot(name if name == "panda" else written(name, tmp_path)), np.random.default_rng(0)
     q, starts = (rng.uniform(arm.lower, arm.upper, (count, len(arm.joints))) for count in (20, 16))
     half = np.eye(4)

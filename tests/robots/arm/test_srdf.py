@@ -66,7 +66,7 @@ def srdf(tmp_path: Path) -> Path:
     return path
 
 
-def test_an_srdf_is_read_whole(srdf: Path) -> None:
+def test_an_srdf_is_read_whole(srdf):
     said = read_srdf(srdf)
     assert set(said.groups) == {"left", "right", "right_and_lift", "cup"}
     assert said.groups["left"].chains == (("mount", "left_tool0"),)
@@ -76,7 +76,7 @@ def test_an_srdf_is_read_whole(srdf: Path) -> None:
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_a_group_is_the_arm_and_all_else_holds_still(tmp_path: Path, srdf: Path, side: str) -> None:
+def test_a_group_is_the_arm_and_all_else_holds_still(tmp_path, srdf, side):
     arm = robot(two_armed(tmp_path), cup(side), srdf=srdf, group=side)
     assert arm.joints == tuple(f"{side}_j{k}" for k in range(6))
     assert any("roll at 0" in words and "lift at 0.1" in words for words in arm.assumptions)
@@ -89,7 +89,7 @@ def test_a_group_is_the_arm_and_all_else_holds_still(tmp_path: Path, srdf: Path,
     assert poses[0] == pytest.approx(poses[1])
 
 
-def test_of_two_arms_one_has_to_be_named(tmp_path: Path, srdf: Path) -> None:
+def test_of_two_arms_one_has_to_be_named(tmp_path, srdf):
     path = two_armed(tmp_path)
     with pytest.raises(InvalidInput, match=r"several arms: .* group=NAME, one of left, right$"):
         robot(path, srdf=srdf)
@@ -103,7 +103,7 @@ def test_of_two_arms_one_has_to_be_named(tmp_path: Path, srdf: Path) -> None:
         robot("panda", srdf=srdf)
 
 
-def test_a_gripper_file_names_the_arm_and_where_the_rest_stands(tmp_path: Path) -> None:
+def test_a_gripper_file_names_the_arm_and_where_the_rest_stands(tmp_path):
     path, place = two_armed(tmp_path), tmp_path / "arm.toml"
     place.write_text(
         '[cup]\nlink = "left_tool0"\noffset = [0, 0, 0.08]\nradius = 0.015\n'
@@ -119,7 +119,7 @@ def test_a_gripper_file_names_the_arm_and_where_the_rest_stands(tmp_path: Path) 
         robot(path, place)
 
 
-def test_links_that_are_not_to_be_checked_are_not(tmp_path: Path, srdf: Path) -> None:
+def test_links_that_are_not_to_be_checked_are_not(tmp_path, srdf):
     path, named = (
         two_armed(tmp_path),
         GripperFile(cup=cup("left"), arm=ArmPart(tip="left_tool0", rest={"lift": 0.1})),
@@ -132,7 +132,7 @@ def test_links_that_are_not_to_be_checked_are_not(tmp_path: Path, srdf: Path) ->
     assert pairs(None) - pairs(srdf) == {frozenset(("left_link4", "right_link1"))}
 
 
-def test_what_was_settled_makes_the_same_arm_without_the_srdf(tmp_path: Path, srdf: Path) -> None:
+def test_what_was_settled_makes_the_same_arm_without_the_srdf(tmp_path, srdf):
     path = two_armed(tmp_path)
     arm = robot(path, cup("right"), srdf=srdf, group="right")
     srdf.unlink()
@@ -141,7 +141,7 @@ def test_what_was_settled_makes_the_same_arm_without_the_srdf(tmp_path: Path, sr
     assert again.home == pytest.approx(arm.home)
 
 
-def test_an_srdf_of_the_same_name_is_found_beside(tmp_path: Path) -> None:
+def test_an_srdf_of_the_same_name_is_found_beside(tmp_path):
     path = two_armed(tmp_path)
     assert srdf_beside(path) is None
     for place in (tmp_path / "my_arm" / "config", tmp_path / "my_arm"):
@@ -163,7 +163,7 @@ def test_an_srdf_of_the_same_name_is_found_beside(tmp_path: Path) -> None:
         ("<robot><group_state name='a'><joint name='j' value='x'/></group_state></robot>", "found 'x'"),
     ],
 )
-def test_a_bad_srdf_is_refused_in_one_line(tmp_path: Path, text: str, words: str) -> None:
+def test_a_bad_srdf_is_refused_in_one_line(tmp_path, text, words):
     path = tmp_path / "bad.srdf"
     path.write_text(text)
     with pytest.raises(InvalidInput) as refusal:

@@ -18,7 +18,7 @@ def states(name: str, count: int = 20) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", names())
-def test_of_the_arm_alone_they_are_those_of_inverse_dynamics(name: str) -> None:
+def test_of_the_arm_alone_they_are_those_of_inverse_dynamics(name):
     arm, q = robot(name), states(name)
     client = pybullet.connect(pybullet.DIRECT)
     pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
@@ -39,7 +39,7 @@ def test_of_the_arm_alone_they_are_those_of_inverse_dynamics(name: str) -> None:
     assert np.allclose(gravity_torques(arm, q, UP, 0.0, np.zeros(3)), found, atol=1e-9)
 
 
-def test_of_a_load_they_are_the_work_that_raises_it() -> None:
+def test_of_a_load_they_are_the_work_that_raises_it():
     arm, q, mass, centre, tiny = robot("panda"), states("panda"), 2.0, np.array([0.02, -0.03, 0.2]), 1e-6
     tilted = np.array([0.1, -0.2, 0.97]) / np.linalg.norm([0.1, -0.2, 0.97])
     with_it = gravity_torques(arm, q, tilted, mass, centre)
@@ -54,7 +54,7 @@ def test_of_a_load_they_are_the_work_that_raises_it() -> None:
         assert np.allclose(asked[:, joint], 9.81 * mass * (ends[1] - ends[0]) / (2 * tiny), atol=1e-5)
 
 
-def test_the_joint_that_is_asked_most_of_its_limit_is_named() -> None:
+def test_the_joint_that_is_asked_most_of_its_limit_is_named():
     arm = robot("xarm6")
     q = states("xarm6", 200)
     light, heavy = strain(arm, q, UP), strain(arm, q, UP, 3.0, (0.0, 0.0, 0.15))
@@ -63,7 +63,7 @@ def test_the_joint_that_is_asked_most_of_its_limit_is_named() -> None:
     assert heavy.torque == pytest.approx(heavy.share * 50.0)
 
 
-def test_a_joint_that_could_not_hold_the_arm_itself_has_springs_and_bears_the_load_alone() -> None:
+def test_a_joint_that_could_not_hold_the_arm_itself_has_springs_and_bears_the_load_alone():
     arm = robot("panda")
     assert springs(arm) == ()
     joints = {

@@ -1,7 +1,5 @@
 """What no URDF may say is refused in a line that says where."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import trimesh
@@ -15,6 +13,7 @@ LIMITED = (
     '<link name="a"/><link name="b"/><joint name="j" type="{}"><parent link="a"/><child link="b"/>'
     '<limit lower="{}" upper="{}" velocity="1" effort="1"/></joint>'
 )
+THREE = '<link name="a"/><link name="b"/><link name="c"/>'
 TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}"/></joint>'
 
 
@@ -25,29 +24,22 @@ TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}
         (SPHERE.format("a", "0"), "link 'a': expected a radius above 0, found '0'"),
         (SPHERE.format("a", "-0.1"), "expected a radius above 0"),
         (
-            '<link name="a"/><link name="b"/><link name="c"/>'
-            + TURNING.format("j", "b", "c")
-            + TURNING.format("k", "c", "b"),
+            THREE + TURNING.format("j", "b", "c") + TURNING.format("k", "c", "b"),
             "links in a loop, not connected to 'a': b, c",
         ),
         ('<link name="a"/><link name="a"/>', "there are two of link 'a': expected each name once"),
-        (
-            '<link name="a"/><link name="b"/><link name="c"/>'
-            + TURNING.format("j", "a", "b")
-            + TURNING.format("j", "b", "c"),
-            "there are two of joint 'j'",
-        ),
+        (THREE + TURNING.format("j", "a", "b") + TURNING.format("j", "b", "c"), "there are two of joint 'j'"),
         (LIMITED.format("prismatic", 0.04, 0), r"'j': its lower limit 0.04 is above its upper limit 0: exch"),
         (LIMITED.format("revolute", -170, 170), r"for degrees expected -2.967 and 2.967; a joint that turns"),
     ],
 )
-def test_it_is_refused(tmp_path: Path, body: str, words: str) -> None:
+def test_it_is_refused(tmp_path, body, words):
     (tmp_path / "arm.urdf").write_text(f"<robot name='arm'>{body}</robot>")
     with pytest.raises(InvalidInput, match=words):
         read_urdf(tmp_path / "arm.urdf")
 
 
-def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path: Path) -> None:
+def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path):
     (tmp_path / "post.urdf").write_text(f"<robot name='arm'>{SPHERE.format('a', '0.1')}</robot>")
     with pytest.raises(InvalidInput, match=r"^post\.urdf: no joint moves 'a'"):
         robot(tmp_path / "post.urdf")
@@ -61,7 +53,7 @@ def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path: Path) -
         ('scale="0.001 0.001 0.001"', ""),
     ],
 )
-def test_a_mesh_in_millimetres_says_so(tmp_path: Path, scale: str, words: str) -> None:
+def test_a_mesh_in_millimetres_says_so(tmp_path, scale, words):
     trimesh.creation.box((80.0, 80.0, 300.0)).export(tmp_path / "link.stl")
     shape = f'<geometry><mesh filename="link.stl" {scale}/></geometry>'
     mesh = f'<link name="a"><collision>{shape}</collision></link>'

@@ -7,7 +7,7 @@ from topple.topology.base.errors import InvalidInput
 
 
 @pytest.mark.parametrize("name", names())
-def test_every_arm_is_complete(name: str) -> None:
+def test_every_arm_is_complete(name):
     arm = robot(name)
     assert arm.name == name
     assert (arm.lower < arm.upper).all()
@@ -19,14 +19,14 @@ def test_every_arm_is_complete(name: str) -> None:
     assert robot(name) is arm
 
 
-def test_an_unknown_name_lists_the_known_ones() -> None:
+def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(
         InvalidInput, match=r"'pander': did you mean 'panda'\? expected panda, panda-suction, iiwa, xarm6"
     ):
         robot("pander")
 
 
-def test_the_cup_stands_out_beyond_the_fingers_and_goes_back_behind_them() -> None:
+def test_the_cup_stands_out_beyond_the_fingers_and_goes_back_behind_them():
     arm = robot("panda-suction")
     cup = arm.cup
     assert cup is not None
@@ -48,7 +48,7 @@ def test_the_cup_stands_out_beyond_the_fingers_and_goes_back_behind_them() -> No
     assert drawn_in < tips - 0.04
 
 
-def test_the_suction_frame_lies_on_the_extended_lip() -> None:
+def test_the_suction_frame_lies_on_the_extended_lip():
     arm = robot("panda-suction")
     cup = arm.cup
     assert cup is not None
@@ -57,7 +57,7 @@ def test_the_suction_frame_lies_on_the_extended_lip() -> None:
     assert np.abs(lip - arm.tool_pose(arm.home, "suction")[0]).max() < 1e-9
 
 
-def test_the_cup_passes_between_open_fingers() -> None:
+def test_the_cup_passes_between_open_fingers():
     arm = robot("panda-suction")
     cup = arm.cup
     assert cup is not None
@@ -75,7 +75,7 @@ def test_the_cup_passes_between_open_fingers() -> None:
     assert sides[1][0] > cup_high + 0.01
 
 
-def test_an_arm_and_a_hand_come_by_the_names_of_urdfs_that_packages_ship() -> None:
+def test_an_arm_and_a_hand_come_by_the_names_of_urdfs_that_packages_ship():
     airo = pytest.importorskip("airo_models", reason="airo-models belongs to the arms extra")
     named = robot("ur5e", "robotiq_2f_85")
     by_path = robot(airo.get_urdf_path("ur5e"), airo.get_urdf_path("robotiq_2f_85"))

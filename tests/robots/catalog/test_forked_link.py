@@ -90,7 +90,7 @@ def test_between_the_prongs_there_is_room_and_in_a_prong_there_is_none(tmp_path:
     )
 
 
-def test_a_forks_parts_fill_little_more_than_the_fork(tmp_path: Path) -> None:
+def test_a_forks_parts_fill_little_more_than_the_fork(tmp_path):
     parts = _arm(tmp_path, _one_mesh(tmp_path)).parts[-1]
     volume = sum(trimesh.convex.convex_hull(part).volume for part in parts)
     assert 1.0 <= volume / (0.02 * (0.16 * 0.02 + 2 * 0.01 * 0.2)) < 1.1

@@ -31,9 +31,7 @@ def _volume(pieces: list[np.ndarray]) -> float:
 
 @pytest.mark.parametrize(("solids", "most"), [(_fork(), 1.01), (_table(), 3.0)], ids=["fork", "table"])
 @pytest.mark.parametrize("turn", [0.0, 0.3])
-def test_pieces_hold_the_solid_and_little_more(
-    solids: list[trimesh.Trimesh], most: float, turn: float
-) -> None:
+def test_pieces_hold_the_solid_and_little_more(solids, most, turn):
     pose = trimesh.transformations.euler_matrix(turn, 2 * turn, 0.5 * turn)
     turned = [solid.copy().apply_transform(pose) for solid in solids]
     pieces = convex_pieces(np.concatenate([np.asarray(solid.triangles) for solid in turned]))
@@ -50,6 +48,6 @@ def test_pieces_hold_the_solid_and_little_more(
     assert _volume(pieces) < (most * true if turn == 0.0 else hull)
 
 
-def test_what_is_convex_stays_whole() -> None:
+def test_what_is_convex_stays_whole():
     for solid in (_box((0.1, 0.2, 0.3), (0.0, 0.0, 0.0)), trimesh.creation.icosphere(subdivisions=3)):
         assert len(convex_pieces(np.asarray(solid.triangles))) == 1

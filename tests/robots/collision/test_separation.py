@@ -13,7 +13,7 @@ def solid(vertices: np.ndarray) -> fcl.CollisionObject:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_gap_never_exceeds_the_distance(seed: int) -> None:
+def test_a_gap_never_exceeds_the_distance(seed):
     rng = np.random.default_rng(seed)
     many = [
         rng.normal(size=(80, 3)) * rng.uniform(0.02, 0.2, 3) + rng.uniform(-0.3, 0.3, 3) for _ in range(12)
@@ -40,7 +40,7 @@ def test_a_gap_never_exceeds_the_distance(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_reduced_hull_stays_within_its_error(seed: int) -> None:
+def test_a_reduced_hull_stays_within_its_error(seed):
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(400, 3))
     whole = hull_of(points / np.linalg.norm(points, axis=1, keepdims=True) * 0.1)[0]
@@ -52,7 +52,7 @@ def test_a_reduced_hull_stays_within_its_error(seed: int) -> None:
         assert (whole @ direction).max() <= (kept @ direction).max() + error + 1e-9
 
 
-def test_hulls_of_flat_thin_and_single_points_have_a_volume() -> None:
+def test_hulls_of_flat_thin_and_single_points_have_a_volume():
     square = np.array([[x, y, 0.0] for x in (0, 1) for y in (0, 1)])
     for points in (square, square[:2], square[:1], np.repeat(square[:1], 5, axis=0)):
         vertices, triangles = hull_of(points)
@@ -60,7 +60,7 @@ def test_hulls_of_flat_thin_and_single_points_have_a_volume() -> None:
         assert np.ptp(vertices, axis=0).min() > 1e-5
 
 
-def test_triangles_of_a_hull_look_outward() -> None:
+def test_triangles_of_a_hull_look_outward():
     vertices, triangles = hull_of(np.random.default_rng(0).normal(size=(50, 3)))
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     outward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a - vertices.mean(axis=0))
@@ -68,7 +68,7 @@ def test_triangles_of_a_hull_look_outward() -> None:
     assert (outward > 0).all()
 
 
-def test_a_bounding_sphere_holds_all_points() -> None:
+def test_a_bounding_sphere_holds_all_points():
     points = np.random.default_rng(1).normal(size=(100, 3))
     centre, radius = bounding_sphere(points)
     assert np.linalg.norm(points - centre, axis=1).max() <= radius + 1e-12

@@ -105,7 +105,7 @@ def arm() -> Iterator[SimulatedArm]:
         yield SimulatedArm(world, robot("panda"), BASE, noise=TorqueNoise.none())
 
 
-def test_a_transfer_goes_through_it_and_lets_go(arm: SimulatedArm) -> None:
+def test_a_transfer_goes_through_it_and_lets_go(arm):
     driver, world = behind_a_controller(arm), arm.world
     assert isinstance(driver, Driver)
     scene, before = on_table((world.body("box"), (0.0, 0.0, 0.0))), world.pose("box")
@@ -118,7 +118,7 @@ def test_a_transfer_goes_through_it_and_lets_go(arm: SimulatedArm) -> None:
     assert not driver.holding and np.abs(driver.q_target - transfer.q_end).max() < 0.01
 
 
-def test_a_guarded_motion_stops_where_the_hand_is_held_up(arm: SimulatedArm) -> None:
+def test_a_guarded_motion_stops_where_the_hand_is_held_up(arm):
     driver, way = behind_a_controller(arm), [np.asarray(arm.arm.home)]
     for height in np.linspace(0.2, 0.0, 21):
         way.append(arm.arm.inverse(down(0.5, 0.0, height)[None], "fingers", near=way[-1])[0][0])
@@ -133,7 +133,7 @@ def test_a_guarded_motion_stops_where_the_hand_is_held_up(arm: SimulatedArm) -> 
     assert arm.world.pose("box")[2, 3] == pytest.approx(0.0, abs=0.02)
 
 
-def test_a_second_look_goes_through_it() -> None:
+def test_a_second_look_goes_through_it():
     with World() as world:
         world.add_table()
         world.add(shapes.box("wall", (0.03, 0.12, 0.05)), pose_at(0.06, 0.0, 0.0))
@@ -151,7 +151,7 @@ def test_a_second_look_goes_through_it() -> None:
         np.testing.assert_allclose(driver.q_target, arm.arm.home, atol=0.01)
 
 
-def test_what_is_sent_begins_where_the_arm_is_held(arm: SimulatedArm) -> None:
+def test_what_is_sent_begins_where_the_arm_is_held(arm):
     driver, home = behind_a_controller(arm), np.asarray(arm.arm.home)
     driver.q_target = home + 0.01
     assert driver.follow(retime(arm.arm, np.stack([home, home + 0.1]), 0.5)) < 0.005
@@ -161,7 +161,7 @@ def test_what_is_sent_begins_where_the_arm_is_held(arm: SimulatedArm) -> None:
     assert np.allclose(driver.controller.sent[-1][-1], home, atol=0.01)
 
 
-def test_without_a_hand_it_follows_and_refuses_to_take(arm: SimulatedArm) -> None:
+def test_without_a_hand_it_follows_and_refuses_to_take(arm):
     driver = TrajectoryDriver(arm.arm, arm.pose_base_to_world, Splines(arm))
     driver.open()
     assert driver.opening == 0.0 and not driver.holding
@@ -212,9 +212,7 @@ class Ros:
         return not self.splines.moving
 
 
-def test_the_example_sends_trajectories_to_a_controller_of_ros(
-    arm: SimulatedArm, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_example_sends_trajectories_to_a_controller_of_ros(arm, monkeypatch):
     splines, home = Splines(arm), np.asarray(arm.arm.home)
     ros = Ros(splines)
     messages = [f"{kind}_msgs.msg" for kind in ("sensor", "geometry", "trajectory")]
@@ -234,7 +232,7 @@ def test_the_example_sends_trajectories_to_a_controller_of_ros(
 
 
 @pytest.mark.slow
-def test_the_dishes_are_cleared_through_it() -> None:
+def test_the_dishes_are_cleared_through_it():
     with scenario("dishes", 0) as stage:
         loop = loop_in(stage)
         assert isinstance(loop.robot, SimulatedArm)

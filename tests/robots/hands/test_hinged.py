@@ -37,7 +37,7 @@ def _hinged(folder: Path, finger: str = "0.02 0.01 0.08", middle: str = "0 0.005
     return path
 
 
-def test_a_finger_that_turns_against_a_fixed_one_is_a_jaw(tmp_path: Path) -> None:
+def test_a_finger_that_turns_against_a_fixed_one_is_a_jaw(tmp_path):
     arm = robot(_hinged(tmp_path))
     tool = arm.tools["fingers"]
     jaw = tool.gripper
@@ -51,7 +51,7 @@ def test_a_finger_that_turns_against_a_fixed_one_is_a_jaw(tmp_path: Path) -> Non
     assert jaw.pads(0.03)[:3, 3] == pytest.approx([0.0, 0.015 + BESIDE, 0.0])
 
 
-def test_openings_are_how_near_the_turned_finger_is_to_the_face_of_the_fixed_one(tmp_path: Path) -> None:
+def test_openings_are_how_near_the_turned_finger_is_to_the_face_of_the_fixed_one(tmp_path):
     arm = robot(_hinged(tmp_path))
     jaw = arm.jaw
     assert jaw is not None
@@ -69,14 +69,14 @@ def test_openings_are_how_near_the_turned_finger_is_to_the_face_of_the_fixed_one
     assert jaw.max_opening > 0.045
 
 
-def test_a_link_that_turns_beside_none_is_a_wrist(tmp_path: Path) -> None:
+def test_a_link_that_turns_beside_none_is_a_wrist(tmp_path):
     path = _hinged(tmp_path)
     path.write_text(path.read_text().replace(f"xyz='0 {-GAP - 0.005} 0.055'", "xyz='0 0 -0.055'"))
     assert not robot(path).tools
 
 
 @pytest.mark.slow
-def test_an_arm_of_five_joints_with_a_hinged_jaw_takes_a_block() -> None:
+def test_an_arm_of_five_joints_with_a_hinged_jaw_takes_a_block():
     from topple.planner.execution.examine import examine
     from topple.robots.catalog.described import described
 

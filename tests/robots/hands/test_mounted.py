@@ -28,7 +28,7 @@ def hand(folder: Path) -> Path:
     return folder / "hand.urdf"
 
 
-def test_a_hand_is_mounted_on_tool0_and_measured(tmp_path: Path) -> None:
+def test_a_hand_is_mounted_on_tool0_and_measured(tmp_path):
     arm = robot(written(tmp_path), hand(tmp_path))
     tool = arm.tools["fingers"]
     jaw = tool.gripper
@@ -43,7 +43,7 @@ def test_a_hand_is_mounted_on_tool0_and_measured(tmp_path: Path) -> None:
     assert relative[2, 2] == pytest.approx(1.0)
 
 
-def test_an_offset_moves_and_turns_it(tmp_path: Path) -> None:
+def test_an_offset_moves_and_turns_it(tmp_path):
     path, given = written(tmp_path), tmp_path / "tool.toml"
     hand(tmp_path)
     given.write_text('[hand]\nurdf = "hand.urdf"\nlink = "tool0"\noffset = [0.1, 0, 0, 0, 1.5707963, 0]\n')
@@ -54,7 +54,7 @@ def test_an_offset_moves_and_turns_it(tmp_path: Path) -> None:
     assert 0.17 < relative[0, 3] < 0.2
 
 
-def test_a_plan_finds_the_hand_again_but_no_other_one(tmp_path: Path) -> None:
+def test_a_plan_finds_the_hand_again_but_no_other_one(tmp_path):
     arm = robot(written(tmp_path), hand(tmp_path))
     data = arm_data(arm)
     again = arm_from(data, arm.name)
@@ -65,7 +65,7 @@ def test_a_plan_finds_the_hand_again_but_no_other_one(tmp_path: Path) -> None:
         arm_from(data, arm.name)
 
 
-def test_what_cannot_be_mounted_is_refused(tmp_path: Path) -> None:
+def test_what_cannot_be_mounted_is_refused(tmp_path):
     path = written(tmp_path)
     with pytest.raises(InvalidInput, match=r"no\.urdf: cannot be read"):
         robot(path, tmp_path / "no.urdf")
@@ -77,7 +77,7 @@ def test_what_cannot_be_mounted_is_refused(tmp_path: Path) -> None:
         robot(path, two)
 
 
-def test_the_hand_that_comes_with_pybullet_goes_by_its_name(tmp_path: Path) -> None:
+def test_the_hand_that_comes_with_pybullet_goes_by_its_name(tmp_path):
     arm = robot(written(tmp_path), "wsg50")
     jaw = arm.tools["fingers"].gripper
     assert isinstance(jaw, ParallelJaw) and jaw.max_opening == pytest.approx(0.104, abs=1e-3)

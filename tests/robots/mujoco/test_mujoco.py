@@ -1,6 +1,6 @@
 """Worlds on MuJoCo: the same bodies, what they touch, what cameras see, an arm that holds by friction."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +18,6 @@ from topple.robots.mujoco.model import _as_box
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import ball, block, bowl, box, can, lemon, orange, plate
-from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.world import World
 from topple.topology.base.arrays import FloatArray
@@ -40,7 +39,7 @@ def world() -> Iterator[MujocoWorld]:
         yield world
 
 
-def test_a_stack_stands_and_its_weight_is_in_the_contacts(world: MujocoWorld) -> None:
+def test_a_stack_stands_and_its_weight_is_in_the_contacts(world):
     for k in range(3):
         world.add(block(f"block {k}"), at(0.0, 0.0, 0.051 * k))
     assert world.settle(3.0)
@@ -55,7 +54,7 @@ def test_a_stack_stands_and_its_weight_is_in_the_contacts(world: MujocoWorld) ->
     assert world.pose("block 2")[2, 3] == pytest.approx(0.1, abs=1e-3)
 
 
-def test_what_falls_falls_as_gravity_says(world: MujocoWorld) -> None:
+def test_what_falls_falls_as_gravity_says(world):
     world.add(block(), at(0.0, 0.0, 0.5))
     world.step(48)
     assert world.time == pytest.approx(0.2)
@@ -63,7 +62,7 @@ def test_what_falls_falls_as_gravity_says(world: MujocoWorld) -> None:
 
 
 @pytest.mark.parametrize(("tilt", "slides"), [(0.5, False), (0.7, True)])
-def test_friction_is_the_product_of_both(tilt: float, slides: bool) -> None:
+def test_friction_is_the_product_of_both(tilt, slides):
     """A block on a board at an angle: it holds up to atan(0.7 * 0.85) = 0.54 rad."""
     with MujocoWorld() as world:
         board = block("board", 0.4)
@@ -80,7 +79,7 @@ def test_friction_is_the_product_of_both(tilt: float, slides: bool) -> None:
 
 @pytest.mark.parametrize("lever", [0.0, 1.5e-3])
 @pytest.mark.parametrize("shape", [lemon, orange, ball])
-def test_what_rolls_rolls_as_far_as_on_the_other_engine(shape: Callable[[str], Body], lever: float) -> None:
+def test_what_rolls_rolls_as_far_as_on_the_other_engine(shape, lever):
     """Down a board that gives way, too, by a lever [m]."""
     slope, ways = pose_at(0.0, 0.0, 0.0, Rotation.from_euler("y", 0.3)), list[float]()
     for world in (World(), MujocoWorld()):
@@ -95,7 +94,7 @@ def test_what_rolls_rolls_as_far_as_on_the_other_engine(shape: Callable[[str], B
     assert ways[1] == pytest.approx(ways[0], rel=0.04) and ways[0] > 0.1
 
 
-def test_bodies_come_go_and_are_put_elsewhere_while_the_rest_goes_on(world: MujocoWorld) -> None:
+def test_bodies_come_go_and_are_put_elsewhere_while_the_rest_goes_on(world):
     world.add(block("a"), at(0.0, 0.0, 0.3))
     world.step(24)
     height, speed = world.pose("a")[2, 3], world.speeds("a")[0]
@@ -110,7 +109,7 @@ def test_bodies_come_go_and_are_put_elsewhere_while_the_rest_goes_on(world: Mujo
         world.add(block("a"))
 
 
-def test_both_engines_see_the_same(world: MujocoWorld) -> None:
+def test_both_engines_see_the_same(world):
     camera = Camera.looking_at((0.6, 0.2, 0.5), (0.0, 0.0, 0.03), noise=Noise.none())
     with World() as other:
         other.add_table(size=(1.4, 1.2))
@@ -154,7 +153,7 @@ def panda() -> Arm:
     return robot("panda")
 
 
-def test_an_arm_follows_and_stays_where_it_is(world: MujocoWorld, panda: Arm) -> None:
+def test_an_arm_follows_and_stays_where_it_is(world, panda):
     acting = MujocoArm(world, panda, np.eye(4))
     assert moved(acting, down(HOME, 0.1, 0.3)) < acting.control.settled
     assert acting.tool_pose("fingers")[:3, 3] == pytest.approx([HOME, 0.1, 0.3], abs=2e-3)
@@ -167,9 +166,7 @@ def test_an_arm_follows_and_stays_where_it_is(world: MujocoWorld, panda: Arm) ->
 
 
 @pytest.mark.parametrize("friction", [0.7, 0.005])
-def test_a_grasp_holds_by_friction_and_by_nothing_else(
-    world: MujocoWorld, panda: Arm, friction: float
-) -> None:
+def test_a_grasp_holds_by_friction_and_by_nothing_else(world, panda, friction):
     world.add(replace(block("block", 0.05), friction=friction), at(HOME, 0.0, 0.0))
     world.settle()
     acting = MujocoArm(world, panda, np.eye(4))
@@ -194,13 +191,13 @@ def test_a_grasp_holds_by_friction_and_by_nothing_else(
         assert world.pose("block")[2, 3] < 0.03
 
 
-def test_a_jaw_that_closes_on_nothing_says_so(world: MujocoWorld, panda: Arm) -> None:
+def test_a_jaw_that_closes_on_nothing_says_so(world, panda):
     acting = MujocoArm(world, panda, np.eye(4))
     assert acting.close(20.0) < 1e-3
     assert not acting.holding
 
 
-def test_a_guarded_motion_stops_where_something_holds_the_hand_up(world: MujocoWorld, panda: Arm) -> None:
+def test_a_guarded_motion_stops_where_something_holds_the_hand_up(world, panda):
     world.add(block("post", 0.15), at(HOME, 0.0, 0.0), fixed=True)
     acting = MujocoArm(world, panda, np.eye(4))
     acting.close(5.0)
@@ -213,7 +210,7 @@ def test_a_guarded_motion_stops_where_something_holds_the_hand_up(world: MujocoW
     assert acting.touched["post"].force < 60.0
 
 
-def test_a_box_is_known_by_its_corners() -> None:
+def test_a_box_is_known_by_its_corners():
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-2, 2) for z in (-3, 3)]) * 0.01
     turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     turn *= np.linalg.det(turn)
@@ -225,7 +222,7 @@ def test_a_box_is_known_by_its_corners() -> None:
     assert _as_box(corners) is None
 
 
-def test_engines_go_by_their_names(panda: Arm) -> None:
+def test_engines_go_by_their_names(panda):
     with playing_on("mujoco"), new_world() as world:
         assert isinstance(world, MujocoWorld)
         assert isinstance(arm_in(world, panda, np.eye(4)), MujocoArm)

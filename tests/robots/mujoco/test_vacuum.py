@@ -31,7 +31,7 @@ def lifted() -> Iterator[ActingArm]:
         yield arm
 
 
-def test_a_held_plate_weighs_what_it_weighs_and_falls_when_let_go(lifted: ActingArm) -> None:
+def test_a_held_plate_weighs_what_it_weighs_and_falls_when_let_go(lifted):
     assert lifted.vacuum is not None
     force, moment = lifted.vacuum.load()
     weight = lifted.world.body("plate").mass * 9.81
@@ -44,9 +44,7 @@ def test_a_held_plate_weighs_what_it_weighs_and_falls_when_let_go(lifted: Acting
 
 
 @pytest.mark.parametrize(("pull", "shear", "twist", "held"), LOADS)
-def test_a_cup_holds_up_to_its_force_and_its_moment(
-    lifted: ActingArm, pull: float, shear: float, twist: float, held: bool
-) -> None:
+def test_a_cup_holds_up_to_its_force_and_its_moment(lifted, pull, shear, twist, held):
     """Loads in shares of the cup's force, across it and about it of what friction bears of that."""
     world, (force, moment) = lifted.world, loaded(lifted, pull, shear, twist)
     assert isinstance(world, MujocoWorld)
@@ -62,7 +60,7 @@ def test_a_cup_holds_up_to_its_force_and_its_moment(
 
 
 @pytest.mark.parametrize(("aside", "seals"), [(0.0, True), (0.02, False), (0.06, False)])
-def test_a_cup_seals_on_what_its_whole_lip_meets(aside: float, seals: bool) -> None:
+def test_a_cup_seals_on_what_its_whole_lip_meets(aside, seals):
     with MujocoWorld() as world:
         corners = np.array([[x, y, z] for x in (-0.02, 0.02) for y in (-0.02, 0.02) for z in (0.0, FLAT)])
         corners[:, 0] += aside
@@ -72,7 +70,7 @@ def test_a_cup_seals_on_what_its_whole_lip_meets(aside: float, seals: bool) -> N
         assert arm.holding is seals
 
 
-def test_what_never_moves_is_not_taken() -> None:
+def test_what_never_moves_is_not_taken():
     with MujocoWorld() as world:
         arm, _ = lowered(world, plate("plate"), 0.0)
         world.remove("plate")
@@ -80,7 +78,7 @@ def test_what_never_moves_is_not_taken() -> None:
 
 
 @pytest.mark.parametrize(("seed", "kept", "gone"), [(0, "left", "right"), (1, "plank", "load")])
-def test_clamps_keep_what_would_fall_until_they_let_go_of_it(seed: int, kept: str, gone: str) -> None:
+def test_clamps_keep_what_would_fall_until_they_let_go_of_it(seed, kept, gone):
     with scenario("hold", seed, "mujoco") as stage:
         world = stage.world
         assert isinstance(world, MujocoWorld)
@@ -96,7 +94,7 @@ def test_clamps_keep_what_would_fall_until_they_let_go_of_it(seed: int, kept: st
         clamps.release(kept)
 
 
-def test_clamps_are_for_what_is_there_and_moves() -> None:
+def test_clamps_are_for_what_is_there_and_moves():
     with MujocoWorld() as world:
         world.add_table()
         world.add(block("block"), at(0.0, 0.0, 0.0))

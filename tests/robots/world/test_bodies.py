@@ -22,7 +22,7 @@ def cuboid(size: tuple[float, float, float]) -> np.ndarray:
     return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
 
 
-def test_mass_properties_of_a_cuboid_are_the_textbooks() -> None:
+def test_mass_properties_of_a_cuboid_are_the_textbooks():
     body = Body.of("box", [cuboid((0.1, 0.2, 0.3)) + np.array([1, 2, 3])], density=500)
     assert body.mass == pytest.approx(0.1 * 0.2 * 0.3 * 500)
     np.testing.assert_allclose(body.centre_of_mass, [1, 2, 3])
@@ -30,7 +30,7 @@ def test_mass_properties_of_a_cuboid_are_the_textbooks() -> None:
     np.testing.assert_allclose(body.inertia, np.diag(body.mass * squares / 12), atol=1e-12)
 
 
-def test_two_halves_weigh_as_the_whole() -> None:
+def test_two_halves_weigh_as_the_whole():
     whole = Body.of("box", [cuboid((0.2, 0.1, 0.05))])
     half = cuboid((0.1, 0.1, 0.05))
     parts = Body.of("box", [half - [0.05, 0, 0], half + np.array([0.05, 0, 0])])
@@ -39,20 +39,20 @@ def test_two_halves_weigh_as_the_whole() -> None:
     np.testing.assert_allclose(parts.inertia, whole.inertia, atol=1e-12)
 
 
-def test_a_body_is_refused_without_parts_or_mass() -> None:
+def test_a_body_is_refused_without_parts_or_mass():
     with pytest.raises(InvalidInput, match="'nothing' has no parts"):
         Body.of("nothing", [])
     with pytest.raises(InvalidInput, match=r"mass of -1(\.0)? kg"):
         Body.of("balloon", [cuboid((0.1, 0.1, 0.1))], mass=-1.0)
 
 
-def test_a_flat_part_gets_a_thickness() -> None:
+def test_a_flat_part_gets_a_thickness():
     sheet = np.array([[0.0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0, 0.1, 0]])
     body = Body.of("sheet", [sheet], mass=0.01)
     assert 0 < body.upper[2] - body.lower[2] < 1e-3
 
 
-def test_rounding_leaves_faces_where_they_are_and_seams_closed() -> None:
+def test_rounding_leaves_faces_where_they_are_and_seams_closed():
     for body in (shapes.box(), shapes.plate(), shapes.spoon(), shapes.mug(), shapes.orange()):
         core = cores(body.parts)
         assert 1e-4 < core.margin <= 1e-3
@@ -64,7 +64,7 @@ def test_rounding_leaves_faces_where_they_are_and_seams_closed() -> None:
         assert 0 < volume < body.mass / 300
 
 
-def test_two_boxes_side_by_side_keep_their_seam() -> None:
+def test_two_boxes_side_by_side_keep_their_seam():
     box = cuboid((0.1, 0.1, 0.1))
     left, right = cores([box - [0.05, 0, 0], box + np.array([0.05, 0, 0])]).parts
     assert left[:, 0].max() == pytest.approx(0.0, abs=1e-9)
@@ -74,7 +74,7 @@ def test_two_boxes_side_by_side_keep_their_seam() -> None:
 
 @pytest.mark.skipif(not YCB.is_dir(), reason="../shared/data/ycb, published objects, is absent")
 @pytest.mark.parametrize("name", ["024_bowl", "011_banana", "005_tomato_soup_can"])
-def test_a_published_object_rests_where_its_files_say(name: str) -> None:
+def test_a_published_object_rests_where_its_files_say(name):
     body = body_from_files(YCB / name)
     with World() as world:
         world.add_table()
@@ -83,7 +83,7 @@ def test_a_published_object_rests_where_its_files_say(name: str) -> None:
         assert abs(world.pose(name)[2, 3]) < 0.004
 
 
-def test_a_folder_without_parts_is_refused_by_name(tmp_path: Path) -> None:
+def test_a_folder_without_parts_is_refused_by_name(tmp_path):
     with pytest.raises(InvalidInput, match=r"collision\.obj"):
         body_from_files(tmp_path)
     (tmp_path / "collision.obj").write_text("o part0\nv 1 2 three\n")

@@ -21,7 +21,7 @@ def _cloud(name: str, noise: float = 0.0) -> FloatArray:
     return voxel_means(cloud, VOXEL)
 
 
-def test_a_shell_leaves_its_hollow_free_and_has_a_floor() -> None:
+def test_a_shell_leaves_its_hollow_free_and_has_a_floor():
     for name in ("bowl", "mug", "cup"):
         cloud = _cloud(name)
         pieces = shell(cloud, cloud, None)
@@ -31,7 +31,7 @@ def test_a_shell_leaves_its_hollow_free_and_has_a_floor() -> None:
         assert np.mean([_holds(pieces, point) for point in base]) > 0.85
 
 
-def test_noise_does_not_make_a_solid_larger_than_some_noise() -> None:
+def test_noise_does_not_make_a_solid_larger_than_some_noise():
     cloud = _cloud("box", noise=0.001)
     true = shapes.box()
     corners = solid(cloud, cloud)[0].corners
@@ -39,7 +39,7 @@ def test_noise_does_not_make_a_solid_larger_than_some_noise() -> None:
     assert np.abs(corners.min(axis=0) - true.lower).max() < 0.004
 
 
-def test_a_wall_seen_from_one_side_grows_away_from_the_camera() -> None:
+def test_a_wall_seen_from_one_side_grows_away_from_the_camera():
     x, y = np.meshgrid(np.linspace(-0.05, 0.05, 26), np.linspace(-0.05, 0.05, 26))
     sheet = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     pieces = shell(sheet, sheet, np.array([[0.0, 0.0, 0.5]]))
@@ -58,7 +58,7 @@ def _top(pieces: list[Piece], x: float, y: float) -> float:
     return max(found)
 
 
-def test_a_plate_seen_from_above_is_rebuilt_even_and_hollow_with_noise_and_flying_pixels() -> None:
+def test_a_plate_seen_from_above_is_rebuilt_even_and_hollow_with_noise_and_flying_pixels():
     rng = np.random.default_rng(0)
     grid = np.arange(-0.12, 0.12, 0.003)
     x, y = (axis.ravel() for axis in np.meshgrid(grid, grid))
@@ -73,7 +73,7 @@ def test_a_plate_seen_from_above_is_rebuilt_even_and_hollow_with_noise_and_flyin
     assert len(pieces) < 60
 
 
-def test_smoothing_keeps_a_face_where_it_is() -> None:
+def test_smoothing_keeps_a_face_where_it_is():
     rng = np.random.default_rng(1)
     face = np.column_stack([rng.uniform(-0.05, 0.05, (2000, 2)), rng.normal(0.0, 0.001, 2000)])
     after = smoothed(voxel_means(face, VOXEL))
@@ -81,7 +81,7 @@ def test_smoothing_keeps_a_face_where_it_is() -> None:
     assert abs(after[:, 2].mean()) < 3e-4
 
 
-def test_a_single_point_is_a_grain() -> None:
+def test_a_single_point_is_a_grain():
     pieces = solid(np.array([[0.1, 0.2, 0.3]]), np.array([[0.1, 0.2, 0.3]]))
     np.testing.assert_allclose(pieces[0].corners.mean(axis=0), [0.1, 0.2, 0.3])
     assert np.ptp(pieces[0].corners) < 0.5

@@ -27,7 +27,7 @@ def asleep(arm: SimulatedArm) -> bool:
     return all(np.array_equal(pose, before[name]) for name, pose in arm.world.poses().items())
 
 
-def test_what_rests_sleeps_and_a_step_of_the_world_wakes_it(world: World) -> None:
+def test_what_rests_sleeps_and_a_step_of_the_world_wakes_it(world):
     world.add(shapes.mug("mug"), at(0.5, 0.0, 0.0))
     world.settle()
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
@@ -38,7 +38,7 @@ def test_what_rests_sleeps_and_a_step_of_the_world_wakes_it(world: World) -> Non
     assert world.pose("mug")[2, 3] == pytest.approx(0.0, abs=2e-3)  # it fell
 
 
-def test_a_hand_moves_what_slept(world: World) -> None:
+def test_a_hand_moves_what_slept(world):
     world.add(shapes.can("can"), at(0.5, 0.1, 0.0))
     world.settle()
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
@@ -48,7 +48,7 @@ def test_a_hand_moves_what_slept(world: World) -> None:
     assert abs(world.pose("can")[1, 3] - 0.1) > 0.05 or world.pose("can")[2, 2] < 0.5
 
 
-def test_what_stood_on_a_thing_falls_as_that_is_taken_away(world: World) -> None:
+def test_what_stood_on_a_thing_falls_as_that_is_taken_away(world):
     world.add(shapes.can("can"), at(0.5, 0.0, 0.0))
     world.add(shapes.box("board", (0.16, 0.16, 0.01), mass=0.1), at(0.5, 0.0, 0.101))
     world.add(shapes.block("far"), at(0.3, 0.4, 0.0))
@@ -63,7 +63,7 @@ def test_what_stood_on_a_thing_falls_as_that_is_taken_away(world: World) -> None
     assert np.allclose(world.pose("far"), far, atol=1e-4)
 
 
-def test_what_is_let_go_falls_on_what_sleeps_and_moves_it(world: World) -> None:
+def test_what_is_let_go_falls_on_what_sleeps_and_moves_it(world):
     world.add(shapes.block("block"), at(0.5, 0.0, 0.0))
     world.add(shapes.can("tower"), at(0.5, 0.25, 0.0))
     world.settle()

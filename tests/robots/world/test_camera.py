@@ -23,7 +23,7 @@ def world():
         yield made
 
 
-def test_an_exact_picture_agrees_with_rays(world: World) -> None:
+def test_an_exact_picture_agrees_with_rays(world):
     camera = Camera.looking_at(EYE, TARGET, noise=Noise.none())
     image = camera.look(world)
     rng = np.random.default_rng(0)
@@ -43,7 +43,7 @@ def test_an_exact_picture_agrees_with_rays(world: World) -> None:
     assert np.median(error) < 1e-4 and np.quantile(error, 0.95) < 1.5e-3
 
 
-def test_clouds_lie_on_the_things_they_are_named_after(world: World) -> None:
+def test_clouds_lie_on_the_things_they_are_named_after(world):
     clouds = Camera.looking_at(EYE, TARGET, noise=Noise.none()).look(world).clouds()
     assert set(clouds) == {"table", "plate", "can", "block"}
     assert np.abs(clouds["table"][:, 2]).max() < 5e-3  # at the foot of a thing a pixel is of either
@@ -52,7 +52,7 @@ def test_clouds_lie_on_the_things_they_are_named_after(world: World) -> None:
     assert radius[clouds["can"][:, 2] < 0.095].min() > 0.0315
 
 
-def test_noise_grows_with_the_distance_and_is_quantised(world: World) -> None:
+def test_noise_grows_with_the_distance_and_is_quantised(world):
     rng = np.random.default_rng(1)
     spread = []
     for distance in (0.6, 1.4):
@@ -68,7 +68,7 @@ def test_noise_grows_with_the_distance_and_is_quantised(world: World) -> None:
     assert spread[1] == pytest.approx(3.1e-3, rel=0.1)
 
 
-def test_edges_are_torn_and_the_rest_is_seen(world: World) -> None:
+def test_edges_are_torn_and_the_rest_is_seen(world):
     rng = np.random.default_rng(2)
     exact = Camera.looking_at(EYE, TARGET, noise=Noise.none()).look(world)
     noisy = Camera.looking_at(EYE, TARGET).look(world, rng)
@@ -79,14 +79,14 @@ def test_edges_are_torn_and_the_rest_is_seen(world: World) -> None:
     np.testing.assert_array_equal(noisy.label, exact.label)
 
 
-def test_the_same_seed_gives_the_same_picture(world: World) -> None:
+def test_the_same_seed_gives_the_same_picture(world):
     camera = Camera.looking_at(EYE, TARGET)
     pictures = [camera.look(world, np.random.default_rng(seed)).depth for seed in (3, 3, 4)]
     np.testing.assert_array_equal(pictures[0], pictures[1])
     assert (pictures[0] != pictures[2]).any()
 
 
-def test_mask_noise_moves_edges_only(world: World) -> None:
+def test_mask_noise_moves_edges_only(world):
     exact = Camera.looking_at(EYE, TARGET).look(world).label
     wrong = Camera.looking_at(EYE, TARGET).with_mask_noise(1.0, missing=0.0).look(world).label
     changed = (exact != wrong).mean()
@@ -94,7 +94,7 @@ def test_mask_noise_moves_edges_only(world: World) -> None:
     assert set(np.unique(wrong)) == set(np.unique(exact))
 
 
-def test_a_robot_is_background() -> None:
+def test_a_robot_is_background():
     with World() as world:
         world.add_table()
         shape = pybullet.createCollisionShape(
@@ -109,7 +109,7 @@ def test_a_robot_is_background() -> None:
 
 
 @pytest.mark.parametrize("eye", [(0, 0, 1), (1, 0, 0.2), (0, -1, 0.5)])
-def test_the_target_is_in_the_middle_and_up_is_up(eye: tuple[float, float, float]) -> None:
+def test_the_target_is_in_the_middle_and_up_is_up(eye):
     camera = Camera.looking_at(eye, (0, 0, 0))
     seen = np.linalg.inv(camera.pose_camera_to_world) @ [0, 0, 0, 1]
     np.testing.assert_allclose(seen[:2], 0, atol=1e-12)
@@ -118,14 +118,14 @@ def test_the_target_is_in_the_middle_and_up_is_up(eye: tuple[float, float, float
     assert above[1] <= 1e-12  # y points down in the picture
 
 
-def test_a_camera_needs_something_to_look_at() -> None:
+def test_a_camera_needs_something_to_look_at():
     with pytest.raises(InvalidInput, match="two places"):
         Camera.looking_at((1, 1, 1), (1, 1, 1))
     with pytest.raises(InvalidInput):
         Camera(640, 480, np.zeros((3, 3)), np.eye(4))
 
 
-def test_mask_noise_moves_the_edges_of_masks_alone(world: World) -> None:
+def test_mask_noise_moves_the_edges_of_masks_alone(world):
     exact = Camera.looking_at(EYE, TARGET, noise=Noise.none())
     rough = exact.with_mask_noise(1.5, missing=0.0)
     labels = exact.look(world).label, rough.look(world).label
@@ -137,7 +137,7 @@ def test_mask_noise_moves_the_edges_of_masks_alone(world: World) -> None:
             exact.with_mask_noise(pixels)
 
 
-def test_objects_whose_mask_is_missing_are_seen_without_one(world: World) -> None:
+def test_objects_whose_mask_is_missing_are_seen_without_one(world):
     exact = Camera.looking_at(EYE, TARGET, noise=Noise.none())
     true, seen = exact.look(world), exact.with_mask_noise(0.0, 1.0).look(world)
     assert set(true.clouds()) > set(seen.clouds()) and not set(world.movable) & set(seen.clouds())

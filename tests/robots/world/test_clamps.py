@@ -13,7 +13,7 @@ from topple.topology import UnknownObject
 @pytest.mark.parametrize(
     ("seed", "kept", "gone"), [(0, "left", "right"), (1, "plank", "load"), (9, "bowl", "can")]
 )
-def test_it_keeps_what_would_fall_and_lets_go_of_it(seed: int, kept: str, gone: str) -> None:
+def test_it_keeps_what_would_fall_and_lets_go_of_it(seed, kept, gone):
     with scenario("hold", seed) as stage:
         world = stage.world
         before, clamps = world.poses(), Clamps(world, [kept])
@@ -31,7 +31,7 @@ def test_it_keeps_what_would_fall_and_lets_go_of_it(seed: int, kept: str, gone: 
         clamps.release(kept)
 
 
-def test_what_is_not_there_or_never_moves_is_refused() -> None:
+def test_what_is_not_there_or_never_moves_is_refused():
     with scenario("hold", 1) as stage:
         for name in ("shelf", "table"):
             with pytest.raises(UnknownObject, match=name):

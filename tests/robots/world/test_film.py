@@ -24,7 +24,7 @@ def _pictures(path: Path) -> list[np.ndarray]:
 
 
 @pytest.mark.slow
-def test_a_film_has_a_picture_for_every_tick_and_shows_the_motion(tmp_path: Path) -> None:
+def test_a_film_has_a_picture_for_every_tick_and_shows_the_motion(tmp_path):
     with World() as world:
         world.add_table()
         world.add(box("box", (0.1, 0.1, 0.1)), np.eye(4))
@@ -41,7 +41,7 @@ def test_a_film_has_a_picture_for_every_tick_and_shows_the_motion(tmp_path: Path
     assert list(tmp_path.iterdir()) == [tmp_path / "out.mp4"]
 
 
-def test_what_was_filmed_until_an_error_is_there(tmp_path: Path) -> None:
+def test_what_was_filmed_until_an_error_is_there(tmp_path):
     with World() as world:
         world.add_table()
         arm = SimulatedArm(world, robot("panda"), np.eye(4))
@@ -52,7 +52,7 @@ def test_what_was_filmed_until_an_error_is_there(tmp_path: Path) -> None:
     assert arm.on_step == []
 
 
-def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
+def test_a_folder_that_is_not_there_is_said(tmp_path):
     with World() as world:
         arm = SimulatedArm(world, robot("panda"), np.eye(4))
         with pytest.raises(InvalidInput, match="its folder does not exist"):

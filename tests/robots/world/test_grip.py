@@ -31,7 +31,7 @@ def lowered(world: World, name: str) -> SimulatedArm:
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_an_empty_jaw_closes_and_holds_nothing(world: World, name: str) -> None:
+def test_an_empty_jaw_closes_and_holds_nothing(world, name):
     arm = lowered(world, name)
     opening = arm.close(42.0)
     assert arm.jaw is not None
@@ -45,7 +45,7 @@ def test_an_empty_jaw_closes_and_holds_nothing(world: World, name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("thick", [0.001, 0.03])
-def test_a_sheet_and_a_box_are_held(world: World, name: str, thick: float) -> None:
+def test_a_sheet_and_a_box_are_held(world, name, thick):
     world.add(shapes.box("thing", (0.06, thick, 0.1), mass=0.05), at(0.5, 0.0, 0.0))
     arm = lowered(world, name)
     opening = arm.close(42.0)
@@ -60,7 +60,7 @@ def test_a_sheet_and_a_box_are_held(world: World, name: str, thick: float) -> No
     assert not arm.holding
 
 
-def test_a_linkage_whose_tips_press_keeps_its_pads_upright(world: World) -> None:
+def test_a_linkage_whose_tips_press_keeps_its_pads_upright(world):
     world.add(shapes.box("thing", (0.06, 0.05, 0.06), mass=0.5), at(0.5, 0.0, 0.0), fixed=True)
     arm = SimulatedArm(world, robot("xarm6"), at(0.0, 0.0, 0.0))
     jaw = arm.jaw
@@ -74,14 +74,14 @@ def test_a_linkage_whose_tips_press_keeps_its_pads_upright(world: World) -> None
     assert np.ptp(values) < 0.03, "rad: its joints go by the same angle"
 
 
-def test_a_jaw_that_was_told_to_open_so_far_holds_nothing(world: World) -> None:
+def test_a_jaw_that_was_told_to_open_so_far_holds_nothing(world):
     arm = lowered(world, "panda")
     arm.open(0.03)
     assert arm.opening == pytest.approx(0.03, abs=1e-3)
     assert not arm.holding
 
 
-def test_a_jaw_notices_what_is_pulled_out_of_it(world: World) -> None:
+def test_a_jaw_notices_what_is_pulled_out_of_it(world):
     world.add(shapes.box("thing", (0.06, 0.03, 0.1), mass=0.05), at(0.5, 0.0, 0.0))
     arm = lowered(world, "panda")
     arm.close(42.0)
@@ -94,7 +94,7 @@ def test_a_jaw_notices_what_is_pulled_out_of_it(world: World) -> None:
     assert not arm.holding and arm.opening < 1e-3
 
 
-def test_a_jaw_notices_a_load_that_slips_through(world: World) -> None:
+def test_a_jaw_notices_a_load_that_slips_through(world):
     world.add(shapes.can("can", mass=4.0), at(0.5, 0.0, 0.0))
     world.settle()
     arm = lowered(world, "panda")

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from topple.planner.cli.main import main
 from topple.planner.execution.trial import Trial
 from topple.robots.catalog import robot
 from topple.robots.world.camera import Camera
@@ -79,7 +78,7 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     return Dataset(folder)
 
 
-def test_the_description_is_that_of_version_3(dataset: Dataset) -> None:
+def test_the_description_is_that_of_version_3(dataset):
     info = dataset.info
     assert (info["codebase_version"], info["fps"], info["robot_type"]) == ("v3.0", RATE, "panda")
     assert info["total_episodes"] == len(dataset.episodes) == 3 and info["splits"] == {"train": "0:3"}
@@ -90,7 +89,7 @@ def test_the_description_is_that_of_version_3(dataset: Dataset) -> None:
     assert starts[1:] == [one["dataset_to_index"] for one in dataset.episodes[:-1]] and starts[0] == 0
 
 
-def test_rows_have_the_features_that_are_described(dataset: Dataset) -> None:
+def test_rows_have_the_features_that_are_described(dataset):
     for number, one in enumerate(dataset.episodes):
         rows, count = dataset.rows(number), one["length"]
         assert set(rows) == set(dataset.info["features"]) - {VIDEO}
@@ -104,7 +103,7 @@ def test_rows_have_the_features_that_are_described(dataset: Dataset) -> None:
         assert {dataset.tasks[k] for k in rows["task_index"]} == set(one["tasks"])
 
 
-def test_states_are_measured_and_actions_are_told(dataset: Dataset) -> None:
+def test_states_are_measured_and_actions_are_told(dataset):
     rows, names = dataset.rows(0), dataset.info["features"]["action"]["names"]
     assert names[-2:] == ["panda_finger_joint1", "panda_finger_joint2"]
     turned = np.flatnonzero(np.diff(rows["action"][:, 0]) > 0.2)
@@ -113,7 +112,7 @@ def test_states_are_measured_and_actions_are_told(dataset: Dataset) -> None:
     assert rows["action"][0, -1] > 0.03 and rows["action"][-1, -1] == 0.0, "the hand was told to close"
 
 
-def test_every_row_has_its_picture(dataset: Dataset) -> None:
+def test_every_row_has_its_picture(dataset):
     for number, one in enumerate(dataset.episodes):
         frames = dataset.frames(number)
         assert len(frames) == one["length"]
@@ -121,7 +120,7 @@ def test_every_row_has_its_picture(dataset: Dataset) -> None:
         assert frames[0][1].shape == (SIZE[1], SIZE[0], 3) == tuple(dataset.info["features"][VIDEO]["shape"])
 
 
-def test_statistics_are_those_of_all_episodes(dataset: Dataset) -> None:
+def test_statistics_are_those_of_all_episodes(dataset):
     every = np.concatenate([dataset.rows(number)["action"] for number in range(3)])
     found = dataset.stats["action"]
     for key, expected in (("mean", every.mean(0)), ("std", every.std(0)), ("max", every.max(0))):
@@ -131,21 +130,21 @@ def test_statistics_are_those_of_all_episodes(dataset: Dataset) -> None:
     assert mean.shape == (3, 1, 1) and 0.0 < mean.mean() < 1.0
 
 
-def test_pandas_finds_tasks_by_their_words(dataset: Dataset) -> None:
+def test_pandas_finds_tasks_by_their_words(dataset):
     told = json.loads(parquet.read_schema(dataset.folder / "meta/tasks.parquet").metadata[b"pandas"])
     assert told["index_columns"] == ["task"]
     pandas = pytest.importorskip("pandas", reason="pandas is not installed")
     assert pandas.read_parquet(dataset.folder / "meta/tasks.parquet").loc["free can"].task_index == 1
 
 
-def test_nothing_is_written_of_what_did_not_end(dataset: Dataset) -> None:
+def test_nothing_is_written_of_what_did_not_end(dataset):
     before = sorted(dataset.folder.rglob("*.*"))
     with standing() as arm, pytest.raises(KeyboardInterrupt), Demonstration(dataset.folder, arm, CAMERA):
         raise KeyboardInterrupt
     assert sorted(dataset.folder.rglob("*.*")) == before
 
 
-def test_other_joints_and_other_folders_are_refused(dataset: Dataset, tmp_path: Path) -> None:
+def test_other_joints_and_other_folders_are_refused(dataset, tmp_path):
     (tmp_path / "letter.txt").write_text("dear")
     for folder, said in ((dataset.folder, "other features"), (tmp_path, "is no dataset of LeRobot")):
         with standing("xarm6") as arm, pytest.raises(InvalidInput, match=said):
@@ -153,16 +152,14 @@ def test_other_joints_and_other_folders_are_refused(dataset: Dataset, tmp_path: 
 
 
 @pytest.mark.slow
-def test_a_run_becomes_an_episode(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_becomes_an_episode(tmp_path, typed):
     scene: Any = Trial(0.05, (0.5, 0.0, 0.0)).scene()
     np.savez(tmp_path / "scene.npz", **scene.clouds, fixed=["table"], up=[0, 0, 1], robot_base=np.eye(4))
     command = ["run", str(tmp_path / "scene.npz"), "block", "--robot", "panda-suction"]
-    assert main([*command, "--lerobot", str(tmp_path / "data")]) == 0
-    assert f"Written: {tmp_path / 'data'}" in capsys.readouterr().out
+    assert f"Written: {tmp_path / 'data'}" in typed(*command, "--lerobot", tmp_path / "data").out
     dataset = Dataset(tmp_path / "data")
     assert dataset.tasks == {0: "free block"} and dataset.info["features"]["action"]["names"][-1] == "vacuum"
     rows = dataset.rows(0)
     assert rows["next.success"][-1] and {0.0, 1.0} == set(rows["action"][:, -1].tolist())
     assert len(dataset.frames(0)) == dataset.episodes[0]["length"] > 5 * RATE
-    assert main([*command, "--lerobot", str(tmp_path)]) == 2
-    assert "is no dataset of LeRobot" in capsys.readouterr().err
+    assert "is no dataset of LeRobot" in typed(*command, "--lerobot", tmp_path, code=2).err

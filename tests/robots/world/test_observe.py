@@ -24,7 +24,7 @@ def primitive(
     return pybullet.createMultiBody(mass, shape, basePosition=place, physicsClientId=client)
 
 
-def test_primitives_are_sampled_on_their_surfaces_from_all_sides(client: int) -> None:
+def test_primitives_are_sampled_on_their_surfaces_from_all_sides(client):
     primitive(client, pybullet.GEOM_PLANE, (0, 0, 0), 0.0)
     ball = primitive(client, pybullet.GEOM_SPHERE, (0, 0, 0.05), radius=0.05)
     box = primitive(client, pybullet.GEOM_BOX, (0.2, 0, 0.03), halfExtents=[0.04, 0.02, 0.03])
@@ -40,7 +40,7 @@ def test_primitives_are_sampled_on_their_surfaces_from_all_sides(client: int) ->
     assert np.abs(scene.clouds["body_0"][:, 2]).max() < 1e-3
 
 
-def test_a_body_of_two_links_is_one_object(client: int) -> None:
+def test_a_body_of_two_links_is_one_object(client):
     shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.03] * 3, physicsClientId=client)
     pybullet.createMultiBody(
         1.0, shape, linkMasses=[1.0], linkCollisionShapeIndices=[shape], linkVisualShapeIndices=[-1],
@@ -54,7 +54,7 @@ def test_a_body_of_two_links_is_one_object(client: int) -> None:
     assert not ((cloud[:, 0] > 0.04) & (cloud[:, 0] < 0.16)).any()
 
 
-def test_a_bowl_is_hollow_and_what_is_in_it_is_seen() -> None:
+def test_a_bowl_is_hollow_and_what_is_in_it_is_seen():
     with World() as world:
         world.add_table()
         world.add(shapes.bowl(), pose_at(0, 0, 0))
@@ -67,7 +67,7 @@ def test_a_bowl_is_hollow_and_what_is_in_it_is_seen() -> None:
     assert "table" in scene.fixed and "plum" not in scene.fixed
 
 
-def test_names_are_unique_and_some_can_be_left_out(client: int) -> None:
+def test_names_are_unique_and_some_can_be_left_out(client):
     first = primitive(client, pybullet.GEOM_SPHERE, (0, 0, 0), radius=0.05)
     second = primitive(client, pybullet.GEOM_SPHERE, (0.3, 0, 0), radius=0.05)
     assert scene_from_world(client, names={first: "ball", second: "ball"}).names == ("ball", "ball_1")
@@ -77,12 +77,12 @@ def test_names_are_unique_and_some_can_be_left_out(client: int) -> None:
         scene_from_world(client, fixed=["shelf"])
 
 
-def test_an_empty_world_is_refused(client: int) -> None:
+def test_an_empty_world_is_refused(client):
     with pytest.raises(InvalidInput, match="no bodies"):
         scene_from_world(client)
 
 
-def test_masses_and_friction_are_those_of_the_world(client: int) -> None:
+def test_masses_and_friction_are_those_of_the_world(client):
     primitive(client, pybullet.GEOM_PLANE, (0, 0, 0), 0.0)
     box = primitive(client, pybullet.GEOM_BOX, (0.2, 0, 0.03), 1.5, halfExtents=[0.04, 0.02, 0.03])
     rough = primitive(client, pybullet.GEOM_BOX, (0.4, 0, 0.03), 0.2, halfExtents=[0.04, 0.02, 0.03])
@@ -94,7 +94,7 @@ def test_masses_and_friction_are_those_of_the_world(client: int) -> None:
     assert any("friction of 'rough', 50, is taken as 10" in line for line in scene.assumptions)
 
 
-def test_a_body_weighs_what_its_links_weigh(client: int) -> None:
+def test_a_body_weighs_what_its_links_weigh(client):
     shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.03] * 3, physicsClientId=client)
     body = pybullet.createMultiBody(
         1.0, shape, linkMasses=[0.5], linkCollisionShapeIndices=[shape], linkVisualShapeIndices=[-1],
@@ -109,7 +109,7 @@ def test_a_body_weighs_what_its_links_weigh(client: int) -> None:
     assert any("differ in friction" in line for line in scene.assumptions)
 
 
-def test_the_masses_of_a_world_of_topples_own_are_read_too() -> None:
+def test_the_masses_of_a_world_of_topples_own_are_read_too():
     with World() as world:
         world.add_table()
         world.add(shapes.box("box", (0.06, 0.06, 0.06), mass=0.9), pose_at(0, 0, 0))

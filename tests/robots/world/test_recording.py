@@ -10,7 +10,7 @@ from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
 
 
-def test_links_are_recorded_where_the_kinematics_say() -> None:
+def test_links_are_recorded_where_the_kinematics_say():
     with World() as world:
         world.add_table()
         world.add(box("box", (0.1, 0.1, 0.1)), np.eye(4))

@@ -34,13 +34,13 @@ def height(world: World, name: str) -> float:
     return float(world.pose(name)[2, 3])
 
 
-def test_a_trajectory_ends_where_it_should(world: World) -> None:
+def test_a_trajectory_ends_where_it_should(world):
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
     assert go(arm, down(0.5, 0.1, 0.3), "fingers") < 2e-3
     assert arm.link_pose("panda_hand")[:2, 3] == pytest.approx([0.5, 0.1], abs=2e-3)
 
 
-def test_fingers_lift_a_can_by_friction_and_drop_it_when_they_open(world: World) -> None:
+def test_fingers_lift_a_can_by_friction_and_drop_it_when_they_open(world):
     world.add(shapes.can("can"), at(0.5, 0.0, 0.0))
     world.settle()
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
@@ -71,13 +71,13 @@ def _moved_by_closing(world: World, name: str, hand: FloatArray) -> tuple[float,
     return moved, float(np.degrees(angle_between(before, after))), arm
 
 
-def test_a_closing_hand_gives_way_to_the_pad_that_comes_first(world: World) -> None:
+def test_a_closing_hand_gives_way_to_the_pad_that_comes_first(world):
     world.add(shapes.box("box", (0.05, 0.05, 0.08), mass=0.1), at(0.5, 0.0, 0.0))
     moved, angle, _ = _moved_by_closing(world, "box", down(0.5, 0.01, 0.05))
     assert moved < 1e-3 and angle < 1.0, "the pads met it a centimetre beside the hand's middle"
 
 
-def test_a_closing_hand_turns_to_a_wall_that_leans(world: World) -> None:
+def test_a_closing_hand_turns_to_a_wall_that_leans(world):
     world.add(shapes.bowl("bowl"), at(0.5, 0.0, 0.0))
     lean = np.radians(10.0)  # the wall leans by 19 degrees
     turn = np.eye(4)
@@ -88,7 +88,7 @@ def test_a_closing_hand_turns_to_a_wall_that_leans(world: World) -> None:
     assert np.degrees(angle_between(arm.arm.tool_pose(arm.q, "fingers")[0], hand)) > 5.0, "the hand turns"
 
 
-def test_an_arm_beside_its_trajectory_may_keep_its_offset(world: World) -> None:
+def test_an_arm_beside_its_trajectory_may_keep_its_offset(world):
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
     start, offset = np.asarray(arm.arm.home), np.full(7, 0.05)
     arm.follow(Way.between(start, start + offset, seconds=0.5))
@@ -99,7 +99,7 @@ def test_an_arm_beside_its_trajectory_may_keep_its_offset(world: World) -> None:
     assert arm.q == pytest.approx(start - offset, abs=3e-3)
 
 
-def test_a_can_wider_than_the_grip_is_strong_slips(world: World) -> None:
+def test_a_can_wider_than_the_grip_is_strong_slips(world):
     world.add(shapes.can("can", mass=4.0), at(0.5, 0.0, 0.0))
     world.settle()
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
@@ -110,7 +110,7 @@ def test_a_can_wider_than_the_grip_is_strong_slips(world: World) -> None:
     assert height(world, "can") < 0.05, "10 N of friction cannot carry 40 N"
 
 
-def test_the_cup_lifts_a_plate_it_seals_on_and_lets_go_beyond_its_force(world: World) -> None:
+def test_the_cup_lifts_a_plate_it_seals_on_and_lets_go_beyond_its_force(world):
     arm, top = _cup_above_a_plate(world)
     assert arm.cup is not None
     assert not arm.suck(), "there is no seal in the air"
@@ -141,7 +141,7 @@ def _cup_above_a_plate(world: World) -> tuple[SimulatedArm, float]:
     return arm, top
 
 
-def test_the_vacuum_does_not_push_what_it_takes(world: World) -> None:
+def test_the_vacuum_does_not_push_what_it_takes(world):
     arm, top = _cup_above_a_plate(world)
     arm.follow_until(way_to(arm, down(0.5, 0.0, top), "suction"), 8.0)
     arm.wait(0.2)
@@ -154,7 +154,7 @@ def test_the_vacuum_does_not_push_what_it_takes(world: World) -> None:
     assert np.linalg.norm(world.pose("plate")[:3, 3] - before[:3, 3]) < 1e-4
 
 
-def test_the_cup_finds_no_seal_on_a_spoon(world: World) -> None:
+def test_the_cup_finds_no_seal_on_a_spoon(world):
     world.add(shapes.spoon("spoon"), at(0.5, 0.0, 0.0))
     world.settle()
     arm = SimulatedArm(world, robot("panda-suction"), np.eye(4))
@@ -166,13 +166,13 @@ def test_the_cup_finds_no_seal_on_a_spoon(world: World) -> None:
     assert not arm.suck()
 
 
-def test_a_hand_without_a_cup_says_so(world: World) -> None:
+def test_a_hand_without_a_cup_says_so(world):
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
     with pytest.raises(InvalidInput, match="no suction cup"):
         arm.suck()
 
 
-def test_what_the_arm_touches_is_recorded(world: World) -> None:
+def test_what_the_arm_touches_is_recorded(world):
     world.add(shapes.can("can"), at(0.5, 0.0, 0.0))
     world.settle()
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
@@ -202,11 +202,11 @@ def _turned_in_the_hand(world: World, mass: float) -> float:
     return float(np.degrees(angle_between(before, world.pose("bar"))))
 
 
-def test_rubber_pads_hold_a_bar_beside_its_middle(world: World) -> None:
+def test_rubber_pads_hold_a_bar_beside_its_middle(world):
     assert _turned_in_the_hand(world, 0.4) < 2.0
 
 
-def test_a_heavy_bar_held_beside_its_middle_turns(world: World) -> None:
+def test_a_heavy_bar_held_beside_its_middle_turns(world):
     assert _turned_in_the_hand(world, 2.5) > 10.0, "1 N m is more than pads of this size hold"
 
 
@@ -229,14 +229,14 @@ def _held_by_its_neck(world: World, body: Body) -> SimulatedArm:
     return arm
 
 
-def test_a_fork_held_by_its_neck_does_not_creep(world: World) -> None:
+def test_a_fork_held_by_its_neck_does_not_creep(world):
     arm = _held_by_its_neck(world, shapes.fork("fork"))
     before = arm.pose_in_hand("fork", "fingers")
     arm.wait(2.0)
     assert np.linalg.norm(arm.pose_in_hand("fork", "fingers")[:3, 3] - before[:3, 3]) < 2e-4
 
 
-def test_a_spoon_held_by_its_neck_turns_with_the_hand(world: World) -> None:
+def test_a_spoon_held_by_its_neck_turns_with_the_hand(world):
     """Pads that it sinks into would leave it behind."""
     arm = _held_by_its_neck(world, shapes.spoon("spoon"))
     before = arm.pose_in_hand("spoon", "fingers")
@@ -245,7 +245,7 @@ def test_a_spoon_held_by_its_neck_turns_with_the_hand(world: World) -> None:
     assert np.degrees(angle_between(before, arm.pose_in_hand("spoon", "fingers"))) < 1.0
 
 
-def test_hinged_fingers_open_and_close_as_fast_as_slides(world: World) -> None:
+def test_hinged_fingers_open_and_close_as_fast_as_slides(world):
     """Speed and force of a jaw are those of its pads: hinges turn as fast as that takes."""
     arm = SimulatedArm(world, robot("xarm6"), np.eye(4))
     jaw = arm.jaw

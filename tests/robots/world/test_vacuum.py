@@ -47,9 +47,7 @@ def knobbed(*knobs: tuple[float, float, float]) -> Body:
         ),  # a saddle
     ],
 )
-def test_a_cup_seals_on_what_its_lip_bridges_and_no_more(
-    knobs: list[tuple[float, float, float]], seals: bool
-) -> None:
+def test_a_cup_seals_on_what_its_lip_bridges_and_no_more(knobs, seals):
     with World() as world:
         under = max((high for x, y, high in knobs if x == y == 0.0), default=0.0)
         arm, _ = lowered(world, knobbed(*knobs), FLAT + under)
@@ -57,7 +55,7 @@ def test_a_cup_seals_on_what_its_lip_bridges_and_no_more(
 
 
 @pytest.mark.parametrize(("mass", "held"), [(0.4, True), (0.8, False)])
-def test_what_hangs_beside_the_cup_bends_it_off(mass: float, held: bool) -> None:
+def test_what_hangs_beside_the_cup_bends_it_off(mass, held):
     """A bar held 9 cm beside its middle: 0.8 kg are a fifth of the force, and more than its moment."""
     with World() as world:
         bar = shapes.box("bar", (0.3, 0.06, 0.04), mass=mass)
@@ -88,8 +86,6 @@ def held_under(arm: ActingArm, force: FloatArray, twist: float) -> bool:
 
 
 @pytest.mark.parametrize(("pull", "shear", "twist", "held"), LOADS)
-def test_a_cup_holds_up_to_its_force_and_its_moment(
-    lifted: ActingArm, pull: float, shear: float, twist: float, held: bool
-) -> None:
+def test_a_cup_holds_up_to_its_force_and_its_moment(lifted, pull, shear, twist, held):
     """Loads in shares of the cup's force, across it and about it of what friction bears of that."""
     assert held_under(lifted, *loaded(lifted, pull, shear, twist)) is held

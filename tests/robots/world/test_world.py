@@ -12,7 +12,7 @@ from topple.topology.base.errors import InvalidInput, UnknownObject
 
 
 @pytest.mark.parametrize("kind", ["plate", "bowl", "mug", "can", "tray", "block", "spoon", "fork", "banana"])
-def test_a_thing_rests_on_the_table_without_a_gap(kind: str) -> None:
+def test_a_thing_rests_on_the_table_without_a_gap(kind):
     with World() as world:
         world.add_table()
         world.add(getattr(shapes, kind)(), pose_at(0, 0, 0.002))
@@ -24,7 +24,7 @@ def test_a_thing_rests_on_the_table_without_a_gap(kind: str) -> None:
         assert weight == pytest.approx(world.body(kind).mass * 9.81, rel=0.1)
 
 
-def test_plates_nest_and_stay() -> None:
+def test_plates_nest_and_stay():
     with World() as world:
         world.add_table()
         for k in range(3):
@@ -38,7 +38,7 @@ def test_plates_nest_and_stay() -> None:
         assert 0.012 < top < 0.015  # each lies 6.5 mm above the one below: wells nest
 
 
-def test_a_ball_falls_as_galileo_says() -> None:
+def test_a_ball_falls_as_galileo_says():
     with World() as world:
         world.add(shapes.ball(), pose_at(0, 0, 1.0))
         world.step(96)
@@ -47,7 +47,7 @@ def test_a_ball_falls_as_galileo_says() -> None:
 
 
 @pytest.mark.parametrize(("slope", "slides"), [(25, False), (36, True)])
-def test_friction_holds_up_to_its_angle(slope: float, slides: bool) -> None:
+def test_friction_holds_up_to_its_angle(slope, slides):
     turn = Rotation.from_euler("y", slope, degrees=True)  # 0.7 times 0.85: 31 degrees
     with World() as world:
         ramp = shapes.box("ramp", (0.8, 0.4, 0.02))
@@ -61,7 +61,7 @@ def test_friction_holds_up_to_its_angle(slope: float, slides: bool) -> None:
         assert (moved > 0.02) == slides
 
 
-def test_a_rolling_can_comes_to_rest() -> None:
+def test_a_rolling_can_comes_to_rest():
     with World() as world:
         world.add_table(size=(4.0, 1.0))
         world.add(shapes.can(), pose_at(-1, 0.05, 0.0332, Rotation.from_euler("x", 90, degrees=True)))
@@ -70,7 +70,7 @@ def test_a_rolling_can_comes_to_rest() -> None:
         assert 0.1 < world.pose("can")[0, 3] + 1 < 1.5
 
 
-def test_pose_is_that_of_the_body_frame_not_of_its_centre_of_mass() -> None:
+def test_pose_is_that_of_the_body_frame_not_of_its_centre_of_mass():
     turn = Rotation.from_euler("xyz", [0.3, -0.7, 1.1])
     for body in (shapes.mug(), shapes.banana(), shapes.strawberry()):
         with World() as world:
@@ -81,7 +81,7 @@ def test_pose_is_that_of_the_body_frame_not_of_its_centre_of_mass() -> None:
             np.testing.assert_allclose(world.pose(body.name), np.eye(4), atol=1e-9)
 
 
-def test_inertia_in_the_simulation_is_the_bodys() -> None:
+def test_inertia_in_the_simulation_is_the_bodys():
     mug = shapes.mug()
     moments, pose_inertial_to_body = principal_axes(mug)
     axes = pose_inertial_to_body[:3, :3]
@@ -93,7 +93,7 @@ def test_inertia_in_the_simulation_is_the_bodys() -> None:
         np.testing.assert_allclose(told[2], moments, rtol=1e-6)
 
 
-def test_a_snapshot_brings_back_poses_and_time() -> None:
+def test_a_snapshot_brings_back_poses_and_time():
     with World() as world:
         world.add_table()
         world.add(shapes.can(), pose_at(0, 0, 0.1))
@@ -111,7 +111,7 @@ def test_a_snapshot_brings_back_poses_and_time() -> None:
             world.restore(kept)
 
 
-def test_what_falls_off_the_table_lands_on_a_floor_and_is_no_object() -> None:
+def test_what_falls_off_the_table_lands_on_a_floor_and_is_no_object():
     with World() as world:
         world.add_table(size=(0.4, 0.4))
         world.add(shapes.block(), pose_at(0.5, 0, 0.1))
@@ -121,7 +121,7 @@ def test_what_falls_off_the_table_lands_on_a_floor_and_is_no_object() -> None:
         assert world.names == ("table", "block") and world.movable == ("block",)
 
 
-def test_worlds_do_not_see_each_other() -> None:
+def test_worlds_do_not_see_each_other():
     with World() as one, World() as other:
         one.add_table()
         one.add(shapes.can(), pose_at(0, 0, 0))
@@ -132,7 +132,7 @@ def test_worlds_do_not_see_each_other() -> None:
         assert other.pose("can")[2, 3] < -0.5
 
 
-def test_names_are_unique_known_and_forgotten() -> None:
+def test_names_are_unique_known_and_forgotten():
     with World() as world:
         world.add(shapes.can())
         with pytest.raises(InvalidInput, match="two bodies are called 'can'"):
@@ -146,7 +146,7 @@ def test_names_are_unique_known_and_forgotten() -> None:
         world.add(shapes.can())
 
 
-def test_the_same_scene_runs_the_same_way_twice() -> None:
+def test_the_same_scene_runs_the_same_way_twice():
     def run() -> np.ndarray:
         with World() as world:
             world.add_table()

@@ -61,7 +61,7 @@ def forces(arm: SimulatedArm, steps: int, pull: float = 0.0) -> list[float]:
     return found
 
 
-def test_the_offset_of_the_sensors_is_felt_until_the_wrist_is_tared(arms: Arms) -> None:
+def test_the_offset_of_the_sensors_is_felt_until_the_wrist_is_tared(arms):
     arm = arms()
     before = forces(arm, 24)
     assert np.mean(before) > 0.5, "an offset of 0.2 N m at each joint comes to about a newton"
@@ -69,7 +69,7 @@ def test_the_offset_of_the_sensors_is_felt_until_the_wrist_is_tared(arms: Arms) 
     assert np.max(forces(arm, 240)) < 0.7, "less than what counts as a touch"
 
 
-def test_noise_is_what_it_is_said_to_be(arms: Arms) -> None:
+def test_noise_is_what_it_is_said_to_be(arms):
     """Of one second of readings at rest: their spread is that of the joints through the Jacobian."""
     arm, noise = arms(), TorqueNoise()
     readings = np.array([arm.wrist.reading() for _ in range(1000)])
@@ -79,14 +79,14 @@ def test_noise_is_what_it_is_said_to_be(arms: Arms) -> None:
     assert readings.std(axis=0) == pytest.approx(noise.deviation * lever, rel=0.1)
 
 
-def test_the_same_seed_feels_the_same_and_another_does_not(arms: Arms) -> None:
+def test_the_same_seed_feels_the_same_and_another_does_not(arms):
     one, same, other = (forces(arms(seed=seed), 5) for seed in (3, 3, 4))
     assert one == same
     assert one != other
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_a_pull_is_told_by_its_size_whatever_the_hand_carries(arms: Arms, seed: int) -> None:
+def test_a_pull_is_told_by_its_size_whatever_the_hand_carries(arms, seed):
     arm = arms(seed=seed, mass=0.5)
     assert arm.holding
     arm.tare()
@@ -94,7 +94,7 @@ def test_a_pull_is_told_by_its_size_whatever_the_hand_carries(arms: Arms, seed: 
     assert np.median(forces(arm, 120, pull=4.0)[60:]) == pytest.approx(4.0, abs=0.5)
 
 
-def test_sensors_without_faults_feel_a_pull_at_once(arms: Arms) -> None:
+def test_sensors_without_faults_feel_a_pull_at_once(arms):
     arm = arms(TorqueNoise.none())
     arm.tare()
     assert np.max(forces(arm, 24)) < 0.02
@@ -102,7 +102,7 @@ def test_sensors_without_faults_feel_a_pull_at_once(arms: Arms) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_noise_does_not_stop_a_guarded_motion_and_a_table_does(arms: Arms, seed: int) -> None:
+def test_noise_does_not_stop_a_guarded_motion_and_a_table_does(arms, seed):
     arm = arms(seed=seed, mass=0.3)
     free = way_to(arm, down(0.5, 0.0, 0.12), seconds=2.0)
     arm.follow_until(free, 1.0)

@@ -16,7 +16,7 @@ from topple.topology.base.arrays import (
 
 @pytest.mark.parametrize("size", [2, 3])
 @pytest.mark.parametrize("count", [1, 7, 2501])
-def test_short_rows_are_read_to_the_last_bit_as_numpy_reads_them(count: int, size: int) -> None:
+def test_short_rows_are_read_to_the_last_bit_as_numpy_reads_them(count, size):
     rng = np.random.default_rng(count)
     points = rng.normal(size=(count, size)) + 3 * rng.normal(size=size)
     assert np.array_equal(middle_of(points), points.mean(axis=0))
@@ -31,7 +31,7 @@ def test_short_rows_are_read_to_the_last_bit_as_numpy_reads_them(count: int, siz
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 40, 2501])
-def test_quantiles_are_those_of_numpy_to_the_last_bit(count: int) -> None:
+def test_quantiles_are_those_of_numpy_to_the_last_bit(count):
     for values in (rng := np.random.default_rng(count)).normal(size=count), rng.normal(size=count).round(1):
         shares = (0.005, 0.05, 0.5, 0.9, 0.995, *rng.random(20))
         assert quantiles_of(values, *shares) == np.quantile(values, shares).tolist()

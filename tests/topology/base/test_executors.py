@@ -1,7 +1,6 @@
 """Many scenes on the workers of an executor give what one after the other gives."""
 
 import pickle
-from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from multiprocessing import get_context
@@ -73,14 +72,12 @@ def check(executor: Executor, folder: Path) -> None:
     ],
     ids=["threads", "weighed", "ours", "processes"],
 )
-def test_a_pool_of_two_answers_like_one_after_the_other(pool: Callable[[], Executor], tmp_path: Path) -> None:
+def test_a_pool_of_two_answers_like_one_after_the_other(pool, tmp_path):
     with pool() as executor:
         check(executor, tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
-def test_a_dask_cluster_of_two_workers_answers_like_one_after_the_other(
-    cluster: Executor, tmp_path: Path
-) -> None:
+def test_a_dask_cluster_of_two_workers_answers_like_one_after_the_other(cluster, tmp_path):
     check(cluster, tmp_path)

@@ -10,13 +10,13 @@ from topple.topology.base.errors import InvalidInput
 from topple.topology.base.files import check_writable, write_all, write_whole
 
 
-def test_text_and_bytes_are_written_and_nothing_else_is_left(tmp_path: Path) -> None:
+def test_text_and_bytes_are_written_and_nothing_else_is_left(tmp_path):
     assert write_whole(tmp_path / "a.txt", "Löffel").read_bytes() == "Löffel".encode()
     assert write_whole(tmp_path / "b.bin", b"\x00\x01").read_bytes() == b"\x00\x01"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "b.bin"]
 
 
-def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     target = write_whole(tmp_path / "a.txt", "old")
 
     def full(_: int) -> None:
@@ -29,7 +29,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
-def test_permissions_are_those_of_the_old_file_or_of_a_new_one(tmp_path: Path) -> None:
+def test_permissions_are_those_of_the_old_file_or_of_a_new_one(tmp_path):
     plain = tmp_path / "plain"
     plain.write_text("")
     assert write_whole(tmp_path / "new", "x").stat().st_mode == plain.stat().st_mode
@@ -37,7 +37,7 @@ def test_permissions_are_those_of_the_old_file_or_of_a_new_one(tmp_path: Path) -
     assert write_whole(plain, "x").stat().st_mode & 0o777 == 0o640
 
 
-def test_a_link_keeps_pointing_and_a_device_is_written_as_it_is(tmp_path: Path) -> None:
+def test_a_link_keeps_pointing_and_a_device_is_written_as_it_is(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "target")
     write_whole(tmp_path / "link", "x")
     assert (tmp_path / "link").is_symlink()
@@ -46,7 +46,7 @@ def test_a_link_keeps_pointing_and_a_device_is_written_as_it_is(tmp_path: Path) 
     assert not Path("/dev/null").is_file()
 
 
-def test_paths_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
+def test_paths_that_cannot_be_written_are_refused(tmp_path):
     with pytest.raises(InvalidInput, match="is a folder"):
         check_writable(tmp_path)
     with pytest.raises(InvalidInput, match="does not exist"):
@@ -58,7 +58,7 @@ def test_paths_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
         check_writable(tmp_path / "locked" / "a.txt")
 
 
-def test_of_a_set_all_are_written_or_none(tmp_path: Path) -> None:
+def test_of_a_set_all_are_written_or_none(tmp_path):
     write_whole(tmp_path / "a.txt", "old")
     (tmp_path / "folder").mkdir()
     for bad in (tmp_path / "folder", Path("/dev/full"), tmp_path / "nowhere" / "b.txt"):
@@ -70,9 +70,7 @@ def test_of_a_set_all_are_written_or_none(tmp_path: Path) -> None:
     assert [(tmp_path / name).read_text() for name in ("a.txt", "c.txt")] == ["new", "new"]
 
 
-def test_where_files_need_a_name_at_once_they_are_written_all_the_same(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_files_need_a_name_at_once_they_are_written_all_the_same(tmp_path, monkeypatch):
     monkeypatch.setattr(files.os, "O_TMPFILE", os.O_CREAT | os.O_EXCL | os.O_DIRECTORY)  # refused, as by NFS
     write_whole(tmp_path / "a.txt", "new")
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]

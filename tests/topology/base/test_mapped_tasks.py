@@ -45,7 +45,7 @@ class Undone(Executor):
         return future
 
 
-def test_answers_come_in_order_and_tasks_are_asked_for_as_they_are_needed() -> None:
+def test_answers_come_in_order_and_tasks_are_asked_for_as_they_are_needed():
     asked: list[int] = []
 
     def tasks() -> Iterator[int]:
@@ -60,14 +60,14 @@ def test_answers_come_in_order_and_tasks_are_asked_for_as_they_are_needed() -> N
         assert list(answers) == [number * number for number in range(1, 100)]
 
 
-def test_out_of_turn_what_is_found_comes_first_and_no_task_waits_for_a_worker() -> None:
+def test_out_of_turn_what_is_found_comes_first_and_no_task_waits_for_a_worker():
     executor = Undone()
     answers = mapped(squared, range(100), executor, in_turn=False)
     assert next(answers) == 1
     assert executor.asked == 2
 
 
-def test_what_work_raises_comes_through() -> None:
+def test_what_work_raises_comes_through():
     with pytest.raises(ZeroDivisionError), ThreadPoolExecutor(1) as executor:
         list(mapped(lambda number: 1 // number, [1, 0], executor))
 
@@ -75,7 +75,7 @@ def test_what_work_raises_comes_through() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("always", [False, True])
 @pytest.mark.parametrize("standard", [False, True], ids=["ours", "standard"])
-def test_a_killed_worker_costs_its_task_at_most(tmp_path: Path, always: bool, standard: bool) -> None:
+def test_a_killed_worker_costs_its_task_at_most(tmp_path, always, standard):
     work = partial(killed_at, tmp_path / "killed", always)
     with ProcessPoolExecutor(2, get_context("spawn")) if standard else WorkerPool(2) as executor:
         found = list(mapped(work, range(8), executor))
@@ -86,7 +86,7 @@ def test_a_killed_worker_costs_its_task_at_most(tmp_path: Path, always: bool, st
 
 
 @pytest.mark.slow
-def test_a_task_that_is_tried_once_is_lost_alone(tmp_path: Path) -> None:
+def test_a_task_that_is_tried_once_is_lost_alone(tmp_path):
     work = partial(killed_at, tmp_path / "killed", False)
     with WorkerPool(2) as executor:
         found = list(mapped(work, range(8), executor, in_turn=False, tries=1))
@@ -95,13 +95,13 @@ def test_a_task_that_is_tried_once_is_lost_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_what_lost_its_worker_twice_is_named(tmp_path: Path) -> None:
+def test_what_lost_its_worker_twice_is_named(tmp_path):
     with WorkerPool(1) as executor, pytest.raises(WorkerLost, match="scene 4"):
         list(all_of(partial(killed_at, tmp_path / "killed", True), range(8), executor))
 
 
 @pytest.mark.slow
-def test_a_pool_that_is_left_by_an_exception_does_not_wait_for_its_tasks() -> None:
+def test_a_pool_that_is_left_by_an_exception_does_not_wait_for_its_tasks():
     begun = time.monotonic()
     with pytest.raises(InvalidInput), WorkerPool(1) as executor:
         assert executor.submit(squared, 3).result() == 9
@@ -112,7 +112,7 @@ def test_a_pool_that_is_left_by_an_exception_does_not_wait_for_its_tasks() -> No
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
-def test_a_dask_cluster_answers_alike_though_a_worker_is_killed(cluster: Executor, tmp_path: Path) -> None:
+def test_a_dask_cluster_answers_alike_though_a_worker_is_killed(cluster, tmp_path):
     work = partial(killed_at, tmp_path / "killed", False)
     assert list(mapped(work, range(8), cluster)) == SQUARES
     assert (tmp_path / "killed").exists()

@@ -5,7 +5,7 @@ import numpy as np
 from topple.topology.base.remembered import remembered
 
 
-def test_arrays_count_by_their_numbers_and_the_longest_unused_answer_goes_first() -> None:
+def test_arrays_count_by_their_numbers_and_the_longest_unused_answer_goes_first():
     asked: list[float] = []
 
     @remembered(2)
@@ -29,7 +29,7 @@ def test_arrays_count_by_their_numbers_and_the_longest_unused_answer_goes_first(
     assert len(asked) == 6
 
 
-def test_an_array_that_was_written_to_is_another_one() -> None:
+def test_an_array_that_was_written_to_is_another_one():
     double = remembered(4)(lambda points: 2 * points)
     points = np.ones(3)
     assert (double(points) == 2).all()

@@ -43,7 +43,7 @@ def alive(pid: int) -> bool:
 
 
 @pytest.mark.parametrize(("program", "lines"), [(POOL, 1), (FORKS, 2)], ids=["spawned", "forked"])
-def test_workers_leave_when_their_parent_is_killed(tmp_path: object, program: str, lines: int) -> None:
+def test_workers_leave_when_their_parent_is_killed(tmp_path, program, lines):
     script = os.path.join(str(tmp_path), "program.py")
     with open(script, "w", encoding="utf-8") as file:
         file.write(program)
@@ -75,7 +75,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.parametrize("seconds", [0.02, 0.2, 0.6])
-def test_ctrl_c_while_a_worker_starts_ends_it_without_a_word(tmp_path: object, seconds: float) -> None:
+def test_ctrl_c_while_a_worker_starts_ends_it_without_a_word(tmp_path, seconds):
     script = os.path.join(str(tmp_path), "program.py")
     with open(script, "w", encoding="utf-8") as file:
         file.write(INTERRUPTED)

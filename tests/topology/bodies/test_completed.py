@@ -16,7 +16,7 @@ def seen_from_one_side(viewpoints: list[list[float]]) -> Scene:
     return Scene({"box": seen, "table": table}, fixed=["table"], up=(0, 0, 1), viewpoints=viewpoints)
 
 
-def test_the_unseen_back_of_a_box_is_part_of_the_whole_and_not_of_what_is_kept_clear_of() -> None:
+def test_the_unseen_back_of_a_box_is_part_of_the_whole_and_not_of_what_is_kept_clear_of():
     scene = seen_from_one_side([[-0.6, 0.0, 0.6]])
     situation = Situation(scene)
     whole, solids = situation.completed, situation.solids
@@ -32,6 +32,6 @@ def test_the_unseen_back_of_a_box_is_part_of_the_whole_and_not_of_what_is_kept_c
     assert whole["table"] is solids["table"]
 
 
-def test_nothing_is_guessed_where_nobody_says_from_where_it_was_seen() -> None:
+def test_nothing_is_guessed_where_nobody_says_from_where_it_was_seen():
     situation = Situation(seen_from_one_side([]))
     assert situation.completed is situation.solids

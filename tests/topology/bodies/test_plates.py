@@ -12,7 +12,7 @@ def noisy(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return points + rng.normal(0, 0.0015, points.shape)
 
 
-def test_a_bin_is_a_floor_and_four_walls_and_room_between_them() -> None:
+def test_a_bin_is_a_floor_and_four_walls_and_room_between_them():
     rng = np.random.default_rng(0)
     cloud = noisy(tray("bin", (0.26, 0.18, 0.05)).surface(5000, rng), rng)
     strays = rng.uniform([-0.1, -0.06, 0.015], [0.1, 0.06, 0.05], (15, 3))
@@ -24,7 +24,7 @@ def test_a_bin_is_a_floor_and_four_walls_and_room_between_them() -> None:
         assert ((room @ plate.normals.T + plate.offsets).max(axis=1) > 0).all()
 
 
-def test_what_is_not_flat_is_cut_into_convex_parts_and_strays_alone_are_nothing() -> None:
+def test_what_is_not_flat_is_cut_into_convex_parts_and_strays_alone_are_nothing():
     rng = np.random.default_rng(1)
     ball = rng.normal(size=(2000, 3))
     ball *= 0.05 / np.linalg.norm(ball, axis=1, keepdims=True)
@@ -33,7 +33,7 @@ def test_what_is_not_flat_is_cut_into_convex_parts_and_strays_alone_are_nothing(
     assert plates_of(rng.uniform(-1, 1, (30, 3)), 0.008, UP) == ()
 
 
-def test_the_rim_of_a_tray_is_no_lid_on_it() -> None:
+def test_the_rim_of_a_tray_is_no_lid_on_it():
     body = tray("tray", (0.34, 0.24, 0.03))
     room = np.stack(np.meshgrid([-0.12, 0.0, 0.12], [-0.08, 0.0, 0.08], [0.024]), axis=-1).reshape(-1, 3)
     for seed in range(3):

@@ -5,7 +5,7 @@ import numpy as np
 from topple.topology.geometry.broadphase import near_both_ways
 
 
-def test_pairs_both_ways_are_those_of_looking_at_all_in_order() -> None:
+def test_pairs_both_ways_are_those_of_looking_at_all_in_order():
     rng = np.random.default_rng(0)
     for count in (0, 1, 2, 40):
         lower, sizes = rng.uniform(0.0, 1.0, (count, 2)), rng.uniform(0.0, 0.2, (count, 2))

@@ -46,14 +46,14 @@ def _box(size: tuple[float, float, float] = (0.06, 0.04, 0.08)) -> tuple[FloatAr
     return points * size + [0.0, 0.0, size[2] / 2], outward
 
 
-def test_half_a_ball_tells_the_whole() -> None:
+def test_half_a_ball_tells_the_whole():
     found = round_body(fits_of(*_seen(*_ball(0.035))), box_residual=0.01, floor=0.0)
     assert isinstance(found, Spheroid)
     assert found.radius == pytest.approx(0.035, abs=0.002)
     assert found.centre == pytest.approx([0.0, 0.0, 0.035], abs=0.002)
 
 
-def test_a_lemon_is_longer_than_thick() -> None:
+def test_a_lemon_is_longer_than_thick():
     found = round_body(fits_of(*_seen(*_ball(0.03, stretch=1.45))), box_residual=0.01, floor=0.0)
     assert isinstance(found, Spheroid)
     assert found.stretch > 1.0
@@ -61,7 +61,7 @@ def test_a_lemon_is_longer_than_thick() -> None:
     assert np.ptp(found.surface(0.004)[:, 1]) == pytest.approx(0.087, abs=0.012)
 
 
-def test_a_can_that_lies_is_as_thick_as_wide() -> None:
+def test_a_can_that_lies_is_as_thick_as_wide():
     found = round_body(fits_of(*_seen(*_lying_can())), box_residual=0.01, floor=0.0)
     assert isinstance(found, Cylinder)
     assert abs(found.axis[1]) > 0.98
@@ -69,11 +69,11 @@ def test_a_can_that_lies_is_as_thick_as_wide() -> None:
     assert found.half == pytest.approx(0.05, abs=0.004)
 
 
-def test_a_box_stays_a_box() -> None:
+def test_a_box_stays_a_box():
     assert round_body(fits_of(*_seen(*_box())), box_residual=0.001, floor=0.0) is None
 
 
-def test_a_dome_is_no_ball() -> None:
+def test_a_dome_is_no_ball():
     points, outward = _seen(*_ball(0.07))
     above = points[:, 2] > 0.07  # a bowl upside down: the upper half of a ball, on the ground
     assert np.count_nonzero(above) > 200
@@ -84,7 +84,7 @@ def test_a_dome_is_no_ball() -> None:
     assert not isinstance(found, Spheroid)
 
 
-def test_a_ball_is_completed_to_its_far_side() -> None:
+def test_a_ball_is_completed_to_its_far_side():
     points, _ = _seen(*_ball(0.035))
     x, y = np.meshgrid(np.arange(-0.4, 0.4, 0.01), np.arange(-0.4, 0.4, 0.01))
     table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])

@@ -2,7 +2,6 @@
 
 import io
 import struct
-import subprocess
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -98,9 +97,7 @@ def _same(scene: Any, look: DepthImage, within: float = 5e-4) -> None:
 
 
 @pytest.mark.parametrize("form", ["folder", "file", "sqlite"])
-def test_each_frame_stands_where_tf_says_the_camera_was(
-    run: Path, example: Any, tmp_path: Path, form: str
-) -> None:
+def test_each_frame_stands_where_tf_says_the_camera_was(run, example, tmp_path, form):
     path = run if form == "folder" else run / "run.mcap"
     if form == "sqlite":
         example.write_bag(str(tmp_path / "run"), _looks(), BASE, StoragePlugin.SQLITE3)
@@ -113,14 +110,14 @@ def test_each_frame_stands_where_tf_says_the_camera_was(
         assert "up is z of the frame 'world', the root of tf" in scene.assumptions
 
 
-def test_a_stream_is_followed_frame_by_frame(run: Path) -> None:
+def test_a_stream_is_followed_frame_by_frame(run):
     scenes = list(load_sequence(run, fixed=["1"], depth="/camera/depth/image_rect"))
     assert len(scenes) == 2
     for scene, look in zip(scenes, _looks(), strict=True):
         _same(scene, look, 0.6e-3)
 
 
-def test_the_first_frame_is_taken_and_said(run: Path) -> None:
+def test_the_first_frame_is_taken_and_said(run):
     assert any("frame 0 of 2 is taken" in note for note in load_scene(run, fixed=["1"]).assumptions)
     with pytest.raises(InvalidInput, match="has 2 messages: there is no frame 2"):
         load_scene(run, image=2)
@@ -133,7 +130,7 @@ def _png(pixels: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("form", ["32FC1", "big-endian", "png", "compressedDepth", "compressed 32FC1"])
-def test_depth_comes_in_every_usual_form(own: _Own, form: str) -> None:
+def test_depth_comes_in_every_usual_form(own, form):
     look = _looks()[0]
     head, make = own.frame(1, look), own.msg
     height, width = look.depth.shape
@@ -165,7 +162,7 @@ def test_depth_comes_in_every_usual_form(own: _Own, form: str) -> None:
 
 
 @pytest.mark.parametrize("label", ["label", "instance"])
-def test_a_cloud_with_a_label_per_point_is_a_scene(own: _Own, example: Any, label: str) -> None:
+def test_a_cloud_with_a_label_per_point_is_a_scene(own, example, label):
     points = np.random.default_rng(0).uniform(0, 0.1, (40, 3)).astype("<f4")
     kind = np.dtype({"names": ["x", "y", "z", label], "formats": ["<f4", "<f4", "<f4", "<u4"],
                      "offsets": [0, 4, 8, 16], "itemsize": 24})  # fmt: skip
@@ -187,7 +184,7 @@ def test_a_cloud_with_a_label_per_point_is_a_scene(own: _Own, example: Any, labe
     assert scene.up == pytest.approx(UP) and scene.viewpoints == pytest.approx(EYE[None, :3, 3])
 
 
-def test_topics_that_are_not_plain_are_asked_for(own: _Own, run: Path) -> None:
+def test_topics_that_are_not_plain_are_asked_for(own, run):
     look = _looks()[0]
     head = own.frame(1, look)
     for topic in ("/a/depth", "/b/depth"):
@@ -204,7 +201,7 @@ def test_topics_that_are_not_plain_are_asked_for(own: _Own, run: Path) -> None:
         load_scene(run, info="/nothing")
 
 
-def test_masks_of_another_moment_and_intrinsics_of_another_camera_are_refused(own: _Own) -> None:
+def test_masks_of_another_moment_and_intrinsics_of_another_camera_are_refused(own):
     look = _looks()[0]
     head = own.frame(5, look, masks=4)
     own.send(5, "/depth", own._example._image(head, 1e3 * look.depth, "16UC1", "<u2"))
@@ -218,7 +215,7 @@ def test_masks_of_another_moment_and_intrinsics_of_another_camera_are_refused(ow
         load_scene(path, depth="/small/depth")
 
 
-def test_tf_is_taken_as_it_was_when_the_picture_was_taken(own: _Own) -> None:
+def test_tf_is_taken_as_it_was_when_the_picture_was_taken(own):
     looks = _looks()
     for at in (1, 3):
         moved = EYE.copy()
@@ -257,7 +254,7 @@ def _aside(own: _Own, tree: list[Any], frame: str = "colour_optical", info: bool
 
 
 @pytest.mark.parametrize("info", [True, False])
-def test_labels_of_another_camera_are_laid_onto_the_depth_by_tf(own: _Own, info: bool) -> None:
+def test_labels_of_another_camera_are_laid_onto_the_depth_by_tf(own, info):
     tree = [
         own._example._transform(*each) for each in (("camera_optical", EYE), ("colour_optical", EYE @ ASIDE))
     ]
@@ -271,8 +268,8 @@ def test_labels_of_another_camera_are_laid_onto_the_depth_by_tf(own: _Own, info:
 
 
 def test_labels_of_a_frame_that_tf_does_not_know_are_refused_and_those_of_the_same_place_taken(
-    own: _Own, example: Any, tmp_path: Path
-) -> None:
+    own, example, tmp_path
+):
     here = own._example._transform("camera_optical", EYE)
     words = "depth is in the frame 'camera_optical' and the labels in 'colour_optical': expected one frame"
     with pytest.raises(InvalidInput, match=words):
@@ -284,7 +281,7 @@ def test_labels_of_a_frame_that_tf_does_not_know_are_refused_and_those_of_the_sa
     assert not any("by tf on depth" in note for note in scene.assumptions)
 
 
-def test_intrinsics_of_a_camera_elsewhere_are_refused(own: _Own) -> None:
+def test_intrinsics_of_a_camera_elsewhere_are_refused(own):
     tree = [
         own._example._transform(*each) for each in (("camera_optical", EYE), ("colour_optical", EYE @ ASIDE))
     ]
@@ -292,7 +289,7 @@ def test_intrinsics_of_a_camera_elsewhere_are_refused(own: _Own) -> None:
         load_scene(_aside(own, tree), info="/colour/camera_info")
 
 
-def test_what_is_no_pose_in_tf_is_left_out_and_said(own: _Own) -> None:
+def test_what_is_no_pose_in_tf_is_left_out_and_said(own):
     bad = [own._example._transform(name, EYE) for name in ("marker", "far", "world")]
     bad[0].transform.rotation = own.msg["geometry_msgs/Quaternion"](0.0, 0.0, 0.0, 0.0)
     bad[1].transform.translation.x = np.nan
@@ -303,7 +300,7 @@ def test_what_is_no_pose_in_tf_is_left_out_and_said(own: _Own) -> None:
         assert f"what tf says of {name!r} in 'world' is no pose: it is left out" in scene.assumptions
 
 
-def test_a_circle_of_frames_is_refused(own: _Own) -> None:
+def test_a_circle_of_frames_is_refused(own):
     look = _looks()[0]
     tree = [own._example._transform("camera_optical", EYE), own._example._transform("world", EYE)]
     tree[1].header.frame_id = "camera_optical"
@@ -314,7 +311,7 @@ def test_a_circle_of_frames_is_refused(own: _Own) -> None:
         load_scene(own.close())
 
 
-def test_recordings_of_ros_1_are_read(tmp_path: Path) -> None:
+def test_recordings_of_ros_1_are_read(tmp_path):
     store, look = get_typestore(Stores.ROS1_NOETIC), _looks()[0]
     make, (height, width) = store.types, look.depth.shape
     head = make["std_msgs/msg/Header"](0, make["builtin_interfaces/msg/Time"](1, 0), "camera")
@@ -337,7 +334,7 @@ def test_recordings_of_ros_1_are_read(tmp_path: Path) -> None:
     _same(scene, DepthImage(look.depth, look.K, look.label))
 
 
-def test_broken_recordings_are_refused_in_a_line(run: Path, tmp_path: Path) -> None:
+def test_broken_recordings_are_refused_in_a_line(run, tmp_path):
     data = (run / "run.mcap").read_bytes()
     for size in (16, 1000, len(data) // 2, len(data) - 30):
         (tmp_path / "cut.mcap").write_bytes(data[:size])
@@ -345,11 +342,6 @@ def test_broken_recordings_are_refused_in_a_line(run: Path, tmp_path: Path) -> N
             load_scene(tmp_path / "cut.mcap")
 
 
-def test_without_rosbags_its_extra_is_named(run: Path) -> None:
-    code = (
-        "import sys; sys.modules['rosbags'] = None; sys.modules['rosbags.highlevel'] = None\n"
-        f"from topple.planner.cli.main import main; sys.exit(main(['relate', {str(run)!r}]))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "recordings of ROS need rosbags: pip install 'rosbags>=0.11.9'" in done.stderr
+def test_without_rosbags_its_extra_is_named(run, monkeypatch, typed):
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    assert "recordings of ROS need rosbags: pip install 'rosbags>=0.11.9'" in typed("relate", run, code=2).err

@@ -63,9 +63,7 @@ def _changed(file: Path, image: str, **values: object) -> None:
     file.write_text(json.dumps(document))
 
 
-def test_what_was_seen_stands_where_the_camera_saw_it(
-    written: tuple[Path, DepthImage, dict[str, np.ndarray]],
-) -> None:
+def test_what_was_seen_stands_where_the_camera_saw_it(written):
     folder, image, _ = written
     scene = load_scene(folder, image=0)
     assert scene.names == (PLATE, CAN, BLOCK, "table")
@@ -78,7 +76,7 @@ def test_what_was_seen_stands_where_the_camera_saw_it(
     assert scene.up == pytest.approx([0, 0, 1], abs=1e-3)
 
 
-def test_models_stand_at_their_true_poses(written: tuple[Path, DepthImage, dict[str, np.ndarray]]) -> None:
+def test_models_stand_at_their_true_poses(written):
     folder, _, corners = written
     scene = load_scene(folder, image=1, models=True)
     for name, true in zip((PLATE, CAN, BLOCK), corners.values(), strict=True):
@@ -91,7 +89,7 @@ def test_models_stand_at_their_true_poses(written: tuple[Path, DepthImage, dict[
     assert relate(scene).between(CAN, PLATE).relation != "disjoint"
 
 
-def test_both_ways_tell_the_same_relations(written: tuple[Path, DepthImage, dict[str, np.ndarray]]) -> None:
+def test_both_ways_tell_the_same_relations(written):
     seen, placed = (
         relate(load_scene(written[0], image=0, models=models)).meeting for models in (False, True)
     )
@@ -100,14 +98,14 @@ def test_both_ways_tell_the_same_relations(written: tuple[Path, DepthImage, dict
     )
 
 
-def test_a_second_object_of_one_model_has_a_name_of_its_own(scene: Path) -> None:
+def test_a_second_object_of_one_model_has_a_name_of_its_own(scene):
     document = json.loads((scene / "scene_gt.json").read_text())
     document["0"][2]["obj_id"] = 2
     (scene / "scene_gt.json").write_text(json.dumps(document))
     assert load_scene(scene, image=0).names == (PLATE, CAN, "obj_000002_2", "table")
 
 
-def test_without_masks_the_models_are_taken(scene: Path) -> None:
+def test_without_masks_the_models_are_taken(scene):
     shutil.rmtree(scene / "mask_visib")
     found = load_scene(scene)
     assert set(found.meshes) == {PLATE, CAN, BLOCK}
@@ -115,7 +113,7 @@ def test_without_masks_the_models_are_taken(scene: Path) -> None:
     assert any("image 0 of 2 is taken" in note for note in found.assumptions)
 
 
-def test_a_pixel_of_two_masks_belongs_to_none(scene: Path) -> None:
+def test_a_pixel_of_two_masks_belongs_to_none(scene):
     before = len(load_scene(scene, image=0).clouds[PLATE])
     can = np.asarray(Image.open(scene / "mask_visib" / "000000_000001.png"))
     plate = np.asarray(Image.open(scene / "mask_visib" / "000000_000000.png"))
@@ -125,7 +123,7 @@ def test_a_pixel_of_two_masks_belongs_to_none(scene: Path) -> None:
     assert any("that several masks claim are left out" in note for note in found.assumptions)
 
 
-def test_what_is_missing_or_broken_is_named(scene: Path) -> None:
+def test_what_is_missing_or_broken_is_named(scene):
     with pytest.raises(InvalidInput, match="has no image 7: expected one of 0, 1"):
         load_scene(scene, image=7)
     (scene.parents[1] / "models" / "obj_000002.ply").unlink()
@@ -151,15 +149,13 @@ def test_what_is_missing_or_broken_is_named(scene: Path) -> None:
         ("scene_camera.json", {"cam_R_w2c": [2, 0, 0, 0, 2, 0, 0, 0, 2]}, "not rigid"),
     ],
 )
-def test_numbers_that_make_no_sense_are_refused(
-    scene: Path, file: str, values: dict[str, object], said: str
-) -> None:
+def test_numbers_that_make_no_sense_are_refused(scene, file, values, said):
     _changed(scene / file, "0", **values)
     with pytest.raises(InvalidInput, match=said):
         load_scene(scene, image=0)
 
 
-def test_a_gap_in_the_depth_is_told_and_models_are_taken_when_asked_for(scene: Path) -> None:
+def test_a_gap_in_the_depth_is_told_and_models_are_taken_when_asked_for(scene):
     (scene / "depth" / "000000.png").unlink()
     with pytest.raises(
         InvalidInput, match=r"has no depth/000000\.png, and has depth/000001\.png: .* models=True"
@@ -171,13 +167,13 @@ def test_a_gap_in_the_depth_is_told_and_models_are_taken_when_asked_for(scene: P
     assert CAN in load_scene(scene, image=0).names
 
 
-def test_the_folder_of_a_dataset_is_told_which_scenes_it_has(scene: Path) -> None:
+def test_the_folder_of_a_dataset_is_told_which_scenes_it_has(scene):
     for folder in (scene.parent, scene.parent.parent):
         with pytest.raises(InvalidInput, match=r"is no scene, and holds scenes of BOP: .*test/000001$"):
             load_scene(folder)
 
 
-def test_a_scale_that_is_missing_or_wrong_is_named_beside_the_depth_it_makes(scene: Path) -> None:
+def test_a_scale_that_is_missing_or_wrong_is_named_beside_the_depth_it_makes(scene):
     _changed(scene / "scene_camera.json", "0", depth_scale=100.0)
     with pytest.raises(
         InvalidInput, match=r"depth/000000\.png reaches \d+ m with depth_scale 100 in scene_cam"
@@ -192,7 +188,7 @@ def test_a_scale_that_is_missing_or_wrong_is_named_beside_the_depth_it_makes(sce
         load_scene(scene, image=0)
 
 
-def test_a_split_without_truth_is_told(scene: Path) -> None:
+def test_a_split_without_truth_is_told(scene):
     (scene / "scene_gt.json").unlink()
     with pytest.raises(
         InvalidInput, match=r"has no scene_gt\.json: expected the folder of a scene whose truth"
@@ -200,7 +196,7 @@ def test_a_split_without_truth_is_told(scene: Path) -> None:
         load_scene(scene, image=0)
 
 
-def test_other_formats_have_no_images(tmp_path: Path) -> None:
+def test_other_formats_have_no_images(tmp_path):
     np.savez(tmp_path / "scene.npz", box=np.random.default_rng(0).uniform(0, 0.1, (50, 3)))
     with pytest.raises(InvalidInput, match="is of the format 'file', which has no option image"):
         load_scene(tmp_path / "scene.npz", image=3)

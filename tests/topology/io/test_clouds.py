@@ -22,14 +22,14 @@ def _save(folder: Path, **arrays: object) -> Path:
     return path
 
 
-def test_names_with_a_slash_are_names(tmp_path: Path) -> None:
+def test_names_with_a_slash_are_names(tmp_path):
     path = _save(tmp_path, **{"full/mug": BOX, "full/table": TABLE}, fixed=np.array(["full/table"]))
     scene = load_scene(path)
     assert scene.names == ("full/mug", "full/table")
     assert scene.movable == ("full/mug",)
 
 
-def test_optional_keys_are_no_objects(tmp_path: Path) -> None:
+def test_optional_keys_are_no_objects(tmp_path):
     base = np.eye(4)
     base[:3, 3] = [0, -0.5, 0]
     scene = load_scene(
@@ -53,13 +53,13 @@ def test_optional_keys_are_no_objects(tmp_path: Path) -> None:
     assert np.array_equal(scene.robot_base, base)
 
 
-def test_given_fixed_names_join_the_files(tmp_path: Path) -> None:
+def test_given_fixed_names_join_the_files(tmp_path):
     path = _save(tmp_path, mug=BOX, desk=TABLE, wall=TABLE, fixed=["desk"])
     assert load_scene(path, fixed=["wall"]).fixed == {"desk", "wall"}
     assert load_scene(path, fixed="wall").fixed == {"desk", "wall"}
 
 
-def test_up_comes_from_the_caller_then_the_file_then_the_plane_then_the_table(tmp_path: Path) -> None:
+def test_up_comes_from_the_caller_then_the_file_then_the_plane_then_the_table(tmp_path):
     path = _save(tmp_path, mug=BOX, table=TABLE, table_plane=[0, 0, 1, 0], up=[0, 1, 0])
     assert load_scene(path, up=[1, 0, 0]).up.tolist() == [1, 0, 0]  # type: ignore[union-attr]
     assert load_scene(path).up.tolist() == [0, 1, 0]  # type: ignore[union-attr]
@@ -71,7 +71,7 @@ def test_up_comes_from_the_caller_then_the_file_then_the_plane_then_the_table(tm
     assert load_scene(_save(tmp_path, mug=BOX)).up is None
 
 
-def test_a_table_plane_without_a_table_lays_one_under_everything(tmp_path: Path) -> None:
+def test_a_table_plane_without_a_table_lays_one_under_everything(tmp_path):
     normal = np.array([0.6, 0, 0.8])
     scene = load_scene(_save(tmp_path, mug=BOX, cup=BOX + 0.3, table_plane=[*normal, 0.05]))
     assert scene.fixed == {"table"}
@@ -84,7 +84,7 @@ def test_a_table_plane_without_a_table_lays_one_under_everything(tmp_path: Path)
     assert any("not a measured one" in line for line in scene.assumptions)
 
 
-def test_a_laid_table_is_fine_around_the_objects_and_ends_a_metre_beyond_them(tmp_path: Path) -> None:
+def test_a_laid_table_is_fine_around_the_objects_and_ends_a_metre_beyond_them(tmp_path):
     scene = load_scene(_save(tmp_path, mug=BOX, table_plane=[0, 0, 1, 0]))
     mug, table = scene.clouds["mug"][:, :2], scene.clouds["table"][:, :2]
     assert np.allclose(table.min(axis=0), mug.min(axis=0) - 1.0)
@@ -100,20 +100,20 @@ def test_a_laid_table_is_fine_around_the_objects_and_ends_a_metre_beyond_them(tm
     assert spacing(0.2) > 0.01
 
 
-def test_a_flat_thing_on_the_plane_is_not_taken_for_the_table(tmp_path: Path) -> None:
+def test_a_flat_thing_on_the_plane_is_not_taken_for_the_table(tmp_path):
     spoon = RNG.uniform(0, 1, (300, 3)) * [0.2, 0.04, 0.003]
     tray = RNG.uniform(-1, 1, (300, 3)) * [0.19, 0.14, 0.002]
     scene = load_scene(_save(tmp_path, spoon=spoon, tray=tray, table_plane=[0, 0, 1, 0]))
     assert scene.fixed == {"table"}
 
 
-def test_a_wide_cloud_in_the_plane_is_the_table(tmp_path: Path) -> None:
+def test_a_wide_cloud_in_the_plane_is_the_table(tmp_path):
     scene = load_scene(_save(tmp_path, mug=BOX, desk=TABLE, table_plane=[0, 0, 1, 0]))
     assert scene.names == ("mug", "desk")
     assert scene.fixed == {"desk"}
 
 
-def test_an_empty_table_is_a_scene(tmp_path: Path) -> None:
+def test_an_empty_table_is_a_scene(tmp_path):
     scene = load_scene(_save(tmp_path, table=TABLE))
     assert scene.movable == ()
 
@@ -124,8 +124,9 @@ def test_an_empty_table_is_a_scene(tmp_path: Path) -> None:
         ({"mug": np.empty((0, 3))}, "'mug' is empty"),
         ({"mug": np.zeros((1, 3))}, "'mug' has a single point"),
         ({"mug": np.where(BOX < 0.01, np.nan, BOX)}, "'mug' has NaN"),
-        ({"mug": BOX[:, :2]}, r"'mug' has shape \(200, 2\)"),
-        ({"mug": BOX * 1000}, "'mug' extends .* millimetres"),
+        ({"mug": np.full((9, 3), np.nan)}, "'mug' has NaN.* 9 of 9"),
+        ({"mug": BOX[:, :2]}, r"'mug' has shape \(200, 2\).*\(N, 3\)"),
+        ({"mug": BOX * 1000}, "'mug' extends .*99.*more than 20 m.*millimetres: points / 1000"),
         ({"mug": BOX.astype(complex)}, "'mug' holds complex"),
         ({"frames": np.arange(5), "mug": BOX}, "'frames' has shape"),
         ({"mug": BOX, "up": [0, 0, 0]}, "up is"),
@@ -133,24 +134,22 @@ def test_an_empty_table_is_a_scene(tmp_path: Path) -> None:
         ({"mug": BOX, "table_plane": [0, 0, 0, 1]}, "table_plane is"),
         ({"mug": BOX, "table_plane": [0, 0, 1]}, "table_plane has shape"),
         ({"mug": BOX, "viewpoints": [[0, 1]]}, "viewpoints has shape"),
-        ({"mug": BOX, "robot_base": np.diag([1, -1, 1, 1])}, "robot_base is mirrored"),
+        ({"mug": BOX, "robot_base": np.diag([1, -1, 1, 1])}, "robot_base is mirrored.*right-handed.*turn"),
         ({"mug": BOX, "robot_base": np.eye(4) * 1.1}, "robot_base"),
+        ({"mug": BOX, "robot_base": np.diag([2, 2, 2, 1])}, "robot_base.*not rigid.*orthonormal.*scale"),
         ({"mug": BOX, "fixed": [0.5]}, "fixed holds"),
         ({"mug": BOX, "fixed": ["desk"]}, "unknown fixed object 'desk'"),
         ({"up": [0, 0, 1]}, "no clouds found"),
     ],
 )
-def test_bad_arrays_are_refused_with_file_and_key(
-    tmp_path: Path, arrays: dict[str, object], words: str
-) -> None:
+def test_bad_arrays_are_refused_with_file_and_key(tmp_path, arrays, words):
     path = _save(tmp_path, **arrays)
     with pytest.raises(InvalidInput, match=words) as refusal:
         load_scene(path)
     assert str(refusal.value).startswith(str(path))
-    assert "\n" not in str(refusal.value)
 
 
-def test_an_unknown_fixed_name_keeps_what_is_known(tmp_path: Path) -> None:
+def test_an_unknown_fixed_name_keeps_what_is_known(tmp_path):
     with pytest.raises(UnknownObject) as refusal:
         load_scene(_save(tmp_path, mug=BOX), fixed=["desk"])
     assert refusal.value.known == ("mug",)
@@ -167,7 +166,7 @@ class _Bomb:
         return (Path.touch, (self.mark,))
 
 
-def test_a_pickle_is_refused_and_never_loaded(tmp_path: Path) -> None:
+def test_a_pickle_is_refused_and_never_loaded(tmp_path):
     mark = tmp_path / "mark"
     bomb = np.empty(1, dtype=object)
     bomb[0] = _Bomb(mark)
@@ -191,19 +190,19 @@ def test_a_pickle_is_refused_and_never_loaded(tmp_path: Path) -> None:
         (b"\x93NUMPY\x01\x00", "broken"),
     ],
 )
-def test_a_file_that_is_not_what_it_says_is_refused(tmp_path: Path, content: bytes, words: str) -> None:
+def test_a_file_that_is_not_what_it_says_is_refused(tmp_path, content, words):
     path = tmp_path / "scene.npz"
     path.write_bytes(content)
     with pytest.raises(InvalidInput, match=words):
         load_scene(path)
 
 
-def test_content_decides_and_not_the_name(tmp_path: Path) -> None:
+def test_content_decides_and_not_the_name(tmp_path):
     path = _save(tmp_path, mug=BOX).rename(tmp_path / "scene.dat")
     assert load_scene(path).names == ("mug",)
 
 
-def test_a_cut_off_or_altered_archive_is_refused(tmp_path: Path) -> None:
+def test_a_cut_off_or_altered_archive_is_refused(tmp_path):
     path = _save(tmp_path, mug=BOX)
     content = bytearray(path.read_bytes())
     content[400] ^= 0xFF
@@ -215,7 +214,7 @@ def test_a_cut_off_or_altered_archive_is_refused(tmp_path: Path) -> None:
         load_scene(path)
 
 
-def test_a_zip_of_other_things_and_a_name_given_twice_are_refused(tmp_path: Path) -> None:
+def test_a_zip_of_other_things_and_a_name_given_twice_are_refused(tmp_path):
     path = tmp_path / "scene.npz"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("readme.txt", "hello")
@@ -229,7 +228,7 @@ def test_a_zip_of_other_things_and_a_name_given_twice_are_refused(tmp_path: Path
         load_scene(path)
 
 
-def test_a_missing_path_is_refused(tmp_path: Path) -> None:
+def test_a_missing_path_is_refused(tmp_path):
     with pytest.raises(InvalidInput, match="the path of the scene is empty"):
         load_scene("")
     with pytest.raises(InvalidInput, match="cannot be read: File name too long"):
@@ -238,7 +237,7 @@ def test_a_missing_path_is_refused(tmp_path: Path) -> None:
         load_scene(tmp_path / "nothing.npz")
 
 
-def test_matter_is_no_object(tmp_path: Path) -> None:
+def test_matter_is_no_object(tmp_path):
     np.savez(tmp_path / "scene.npz", mug=BOX, matter=0.5 + BOX)
     scene = load_scene(tmp_path / "scene.npz")
     assert scene.names == ("mug",) and np.array_equal(scene.matter, 0.5 + BOX)
@@ -247,7 +246,7 @@ def test_matter_is_no_object(tmp_path: Path) -> None:
         load_scene(tmp_path / "scene.npz")
 
 
-def test_masked_points_are_not_taken_for_points() -> None:
+def test_masked_points_are_not_taken_for_points():
     masked = np.ma.masked_array(BOX, mask=np.zeros(BOX.shape, dtype=bool))
     assert Scene({"a": masked}).names == ("a",)
     masked[3] = np.ma.masked
@@ -255,7 +254,7 @@ def test_masked_points_are_not_taken_for_points() -> None:
         Scene({"a": masked})
 
 
-def test_a_table_under_objects_far_from_each_other_has_a_bounded_number_of_points(tmp_path: Path) -> None:
+def test_a_table_under_objects_far_from_each_other_has_a_bounded_number_of_points(tmp_path):
     path = _save(tmp_path, a=BOX, b=BOX + np.array([9e7, 2e7, 0.0]), table_plane=[0.0, 0.0, 1.0, 0.0])
     tracemalloc.start()
     try:

@@ -30,7 +30,7 @@ def _frame(**changes: object) -> dict[str, object]:
     return {key: value for key, value in {**frame, **changes}.items() if value is not None}
 
 
-def test_labelled_points_are_an_object_per_label_on_the_table_of_the_background(tmp_path: Path) -> None:
+def test_labelled_points_are_an_object_per_label_on_the_table_of_the_background(tmp_path):
     scene = load_scene(_saved(tmp_path, points=POINTS, labels=LABELS, viewpoints=[[0.5, -0.5, 0.8]]))
     assert scene.names == ("3", "5", "table")
     assert scene.fixed == {"table"}
@@ -38,7 +38,7 @@ def test_labelled_points_are_an_object_per_label_on_the_table_of_the_background(
     assert np.allclose(np.asarray(scene.up), [0, 0, 1])
 
 
-def test_an_object_may_be_called_points(tmp_path: Path) -> None:
+def test_an_object_may_be_called_points(tmp_path):
     assert load_scene(_saved(tmp_path, points=BOX, labels=BOX + 0.3)).names == ("points", "labels")
 
 
@@ -53,14 +53,12 @@ def test_an_object_may_be_called_points(tmp_path: Path) -> None:
         ({"names": np.array(["a", "b"]), "ids": np.array([3, 3])}, "twice"),
     ],
 )
-def test_labelled_points_that_do_not_fit_are_refused(
-    tmp_path: Path, arrays: dict[str, object], words: str
-) -> None:
+def test_labelled_points_that_do_not_fit_are_refused(tmp_path, arrays, words):
     with pytest.raises(InvalidInput, match=words):
         load_scene(_saved(tmp_path, **({"points": POINTS, "labels": LABELS} | arrays)))
 
 
-def test_names_are_those_of_the_labels(tmp_path: Path) -> None:
+def test_names_are_those_of_the_labels(tmp_path):
     names = np.array(["background", "mug", ""])
     assert load_scene(_saved(tmp_path, **_frame(names=names))).names == ("mug", "2", "table")
     pairs = {"names": np.array(["can", "mug"]), "ids": np.array([2, 1]), "fixed": np.array([2])}
@@ -69,14 +67,14 @@ def test_names_are_those_of_the_labels(tmp_path: Path) -> None:
     assert scene.fixed == {"can"}
 
 
-def test_an_array_that_is_not_used_is_said(tmp_path: Path) -> None:
+def test_an_array_that_is_not_used_is_said(tmp_path):
     frame = load_scene(_saved(tmp_path, **_frame(poses=np.eye(4), scores=np.ones(2))))
     assert "not used, being unknown: the arrays poses, scores" in frame.assumptions
     clouds = load_scene(_saved(tmp_path, mug=BOX, source=np.array("a camera")))
     assert "not used, being unknown: the array source" in clouds.assumptions
 
 
-def test_a_stack_of_masks_is_a_label_per_mask(tmp_path: Path) -> None:
+def test_a_stack_of_masks_is_a_label_per_mask(tmp_path):
     frame = _frame()
     label = np.asarray(frame.pop("label"))
     masks = np.stack([label == 1, label == 2])
@@ -102,25 +100,25 @@ def _pcd(path: Path, height: int, field: str, viewpoint: str) -> Path:
 
 
 @pytest.mark.parametrize("field", ["label", "object_id"])
-def test_a_labelled_pcd_file_is_a_scene(tmp_path: Path, field: str) -> None:
+def test_a_labelled_pcd_file_is_a_scene(tmp_path, field):
     scene = load_scene(_pcd(tmp_path / "scene.pcd", 1, field, "0.5 -0.5 0.8"))
     assert scene.names == ("3", "5", "table")
     assert scene.viewpoints.tolist() == [[0.5, -0.5, 0.8]]
 
 
-def test_the_origin_is_a_camera_only_of_an_organised_pcd_file(tmp_path: Path) -> None:
+def test_the_origin_is_a_camera_only_of_an_organised_pcd_file(tmp_path):
     assert len(load_scene(_pcd(tmp_path / "a.pcd", 1, "label", "0 0 0")).viewpoints) == 0
     assert load_scene(_pcd(tmp_path / "b.pcd", 100, "label", "0 0 0"), up=(0, 0, 1)).viewpoints.tolist() == [
         [0, 0, 0]
     ]
 
 
-def test_a_pcd_file_without_labels_is_no_scene(tmp_path: Path) -> None:
+def test_a_pcd_file_without_labels_is_no_scene(tmp_path):
     with pytest.raises(InvalidInput, match=r"no label.*folder"):
         load_scene(_pcd(tmp_path / "scene.pcd", 1, "intensity", "0 0 0"))
 
 
-def test_what_a_folder_holds_is_used_or_said(tmp_path: Path) -> None:
+def test_what_a_folder_holds_is_used_or_said(tmp_path):
     np.savetxt(tmp_path / "mug.xyz", BOX)
     np.savetxt(tmp_path / "can.txt", BOX + ASIDE)
     (tmp_path / "README.txt").write_text("Taken on Monday.\n", encoding="utf-8")
@@ -131,13 +129,13 @@ def test_what_a_folder_holds_is_used_or_said(tmp_path: Path) -> None:
     assert "not used, being no cloud or mesh: README.txt, old/, view.jpg" in scene.assumptions
 
 
-def test_centimetres_are_asked_for(tmp_path: Path) -> None:
+def test_centimetres_are_asked_for(tmp_path):
     table = np.column_stack([RNG.uniform(-8, 8, (2000, 2)), np.zeros(2000)])
     with pytest.raises(InvalidInput, match="centimetres"):
         load_scene(_saved(tmp_path, mug=BOX * 100, can=BOX * 60 + 9, table=table))
 
 
-def test_large_things_that_never_move_are_no_centimetres(tmp_path: Path) -> None:
+def test_large_things_that_never_move_are_no_centimetres(tmp_path):
     floor, shelf = FLAT * 10, BOX * 30
     assert load_scene(_saved(tmp_path, mug=BOX, floor=floor, shelf=shelf)).names == ("mug", "floor", "shelf")
     assert load_scene(_saved(tmp_path, pallet=BOX * 12, crate=BOX * 11), fixed=["pallet"]).movable == (
@@ -145,7 +143,7 @@ def test_large_things_that_never_move_are_no_centimetres(tmp_path: Path) -> None
     )
 
 
-def test_what_the_background_has_beside_the_table_is_in_the_way(tmp_path: Path) -> None:
+def test_what_the_background_has_beside_the_table_is_in_the_way(tmp_path):
     wall = np.column_stack([np.full(40_000, -0.3), RNG.uniform((-0.4, 0.0), (0.4, 0.5), (40_000, 2))])
     points, labels = np.concatenate([POINTS, wall]), np.append(LABELS, np.zeros(40_000, dtype=int))
     scene = load_scene(_saved(tmp_path, points=points, labels=labels, viewpoints=[[0.5, -0.5, 0.8]]))

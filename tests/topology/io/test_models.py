@@ -37,22 +37,13 @@ SHARED = Path(__file__).resolve().parents[3].parent / "shared" / "data"
         ("cup", ["011_banana"], []),
     ],
 )
-def test_a_name_means_the_model_called_so_but_for_numbers(
-    name: str, models: list[str], meant: list[str]
-) -> None:
+def test_a_name_means_the_model_called_so_but_for_numbers(name, models, meant):
     assert meant_by(name, models) == meant
 
 
-def test_models_are_files_or_folders_with_a_mesh(tmp_path: Path) -> None:
+def test_models_are_files_or_folders_with_a_mesh(tmp_path):
     box = trimesh.creation.box((0.1, 0.1, 0.1))
-    for place in (
-        "a.stl",
-        "b/mesh.obj",
-        "b/collision.obj",
-        "c/google_16k/textured.ply",
-        "d/d.obj",
-        "d/e.obj",
-    ):
+    for place in "a.stl b/mesh.obj b/collision.obj c/google_16k/textured.ply d/d.obj d/e.obj".split():
         (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
         box.export(tmp_path / place)
     (tmp_path / "notes.txt").write_text("0 0 0\n")
@@ -93,9 +84,7 @@ def known(seen: tuple[Scene, Path, dict[str, np.ndarray]]) -> Scene:
     return with_models(seen[0], seen[1])
 
 
-def test_models_take_the_place_of_what_one_camera_saw(
-    seen: tuple[Scene, Path, dict[str, np.ndarray]], known: Scene
-) -> None:
+def test_models_take_the_place_of_what_one_camera_saw(seen, known):
     scene, _, corners = seen
     assert known.whole == set(scene.movable) == {"mug", "can", "bottle"}
     for name, true in corners.items():
@@ -110,7 +99,7 @@ def test_models_take_the_place_of_what_one_camera_saw(
     assert known.models["mug"].model == "025_mug"
 
 
-def test_nothing_of_a_known_model_is_guessed(known: Scene) -> None:
+def test_nothing_of_a_known_model_is_guessed(known):
     situation = Situation(known)
     rotation = situation.statics.upright.rotation
     for name in known.movable:
@@ -121,9 +110,7 @@ def test_nothing_of_a_known_model_is_guessed(known: Scene) -> None:
 
 
 @pytest.mark.slow
-def test_another_shape_keeps_what_was_seen_and_one_line_says_so(
-    seen: tuple[Scene, Path, dict[str, np.ndarray]], tmp_path: Path
-) -> None:
+def test_another_shape_keeps_what_was_seen_and_one_line_says_so(seen, tmp_path):
     scene = seen[0]
     (tmp_path / "mug.ply").write_bytes((seen[1] / "bottle.ply").read_bytes())
     found = with_models(scene, tmp_path)
@@ -136,7 +123,7 @@ def test_another_shape_keeps_what_was_seen_and_one_line_says_so(
     assert relate(found).to_json() == relate(scene).to_json()
 
 
-def test_fits_travel_with_the_scene(known: Scene) -> None:
+def test_fits_travel_with_the_scene(known):
     assert pickle.loads(pickle.dumps(known)) == known
     fit = known.models["mug"]
     assert isinstance(fit, ModelFit) and json.loads(json.dumps(fit.to_json()))["registered"] is True
@@ -150,9 +137,7 @@ def test_fits_travel_with_the_scene(known: Scene) -> None:
         Scene({"a": fit.seen}, models={"b": fit})
 
 
-def test_what_is_no_folder_of_models_is_refused(
-    seen: tuple[Scene, Path, dict[str, np.ndarray]], tmp_path: Path
-) -> None:
+def test_what_is_no_folder_of_models_is_refused(seen, tmp_path):
     with pytest.raises(InvalidInput, match="is no folder: expected one with NAME"):
         with_models(seen[0], tmp_path / "none")
     with pytest.raises(InvalidInput, match="has no models: expected NAME"):
@@ -162,28 +147,24 @@ def test_what_is_no_folder_of_models_is_refused(
         with_models(seen[0], tmp_path)
 
 
-def test_the_commands_take_a_folder_of_models_or_none(
-    seen: tuple[Scene, Path, dict[str, np.ndarray]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_commands_take_a_folder_of_models_or_none(seen, tmp_path, capsys, typed):
     scene, folder, _ = seen
     clouds = {name: cloud for name, cloud in scene.clouds.items() if name in ("can", "table")}
     place = str(tmp_path / "scene.npz")
     np.savez(place, **clouds, fixed=np.array(["table"]), up=scene.up, viewpoints=scene.viewpoints)
-    assert main(["relate", place, "--models", str(folder), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = typed("relate", place, "--models", folder, "--json").document
     (fit,) = document["models"]
     assert fit["object"] == fit["model"] == "can" and fit["registered"] and fit["residual"] < 0.003
-    assert main(["order", "--models", str(folder), place]) == 0
-    assert "Assumed: 'can' is the model can, registered: residual" in capsys.readouterr().out
-    assert main(["relate", place, "--json"]) == 0
-    assert "models" not in json.loads(capsys.readouterr().out)
+    out = typed("order", "--models", folder, place).out
+    assert "Assumed: 'can' is the model can, registered: residual" in out
+    assert "models" not in typed("relate", place, "--json").document
     assert main(["relate", "--models", place]) == 2  # the switch of BOP, before a scene
     assert "which has no option models" in capsys.readouterr().err
     assert load_scene(place, models=folder).models["can"].refused is None
 
 
 @pytest.mark.slow
-def test_things_of_the_ycb_set_in_a_real_frame_are_registered(tmp_path: Path) -> None:
+def test_things_of_the_ycb_set_in_a_real_frame_are_registered(tmp_path):
     frame, models = SHARED / "rgbd" / "ycbvideo_0000.npz", SHARED / "ycb"
     if not frame.exists() or not models.exists():
         pytest.skip("the real frames and the YCB models are not there")

@@ -38,9 +38,7 @@ def glb(path: Path, wrapped: bool) -> Path:
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
-def test_nodes_of_a_glb_are_objects_with_all_that_hangs_on_them_and_y_is_up(
-    wrapped: bool, tmp_path: Path
-) -> None:
+def test_nodes_of_a_glb_are_objects_with_all_that_hangs_on_them_and_y_is_up(wrapped, tmp_path):
     scene = load_scene(glb(tmp_path / "room.glb", wrapped))
     assert set(scene.names) == {"table", "mug", "astray"}
     assert scene.fixed == {"table"}
@@ -51,7 +49,7 @@ def test_nodes_of_a_glb_are_objects_with_all_that_hangs_on_them_and_y_is_up(
     assert topple.check(scene).sentence() == "1 of 2 stand; astray floats above nothing"
 
 
-def test_objects_of_an_obj_are_its_objects_or_else_its_groups(tmp_path: Path) -> None:
+def test_objects_of_an_obj_are_its_objects_or_else_its_groups(tmp_path):
     corners = trimesh.creation.box((0.1, 0.1, 0.1))
     lines: list[str] = []
     for letter, name, height in (("{0}", "low", 0.05), ("{0}", "high", 0.15), ("g", "part", 0.25)):
@@ -77,13 +75,13 @@ def test_objects_of_an_obj_are_its_objects_or_else_its_groups(tmp_path: Path) ->
         ("a.obj", b"o mug\nv 0 0\n", "expected three numbers"),
     ],
 )
-def test_a_broken_file_is_refused_in_one_line(name: str, content: bytes, says: str, tmp_path: Path) -> None:
+def test_a_broken_file_is_refused_in_one_line(name, content, says, tmp_path):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InvalidInput, match=says):
         load_scene(tmp_path / name)
 
 
-def test_nodes_that_go_round_in_circles_come_to_an_end(tmp_path: Path) -> None:
+def test_nodes_that_go_round_in_circles_come_to_an_end(tmp_path):
     made = trimesh.Scene()
     made.add_geometry(trimesh.creation.box((1, 1, 1)), node_name="a", transform=np.eye(4))
     data = made.export(file_type="glb")

@@ -39,14 +39,8 @@ def is_the_stack(scene: Scene) -> bool:
 
 def records(points: np.ndarray, **more: np.ndarray) -> np.ndarray:
     """A structured array, as a PointCloud2 is read: floats of four bytes, colour beside the place."""
-    kinds = [
-        ("x", "<f4"),
-        ("y", "<f4"),
-        ("z", "<f4"),
-        ("rgb", "<u4"),
-        *((name, v.dtype) for name, v in more.items()),
-    ]
-    array = np.zeros(len(points), dtype=kinds)
+    kinds = [(axis, "<f4") for axis in "xyz"] + [("rgb", "<u4")]
+    array = np.zeros(len(points), dtype=kinds + [(name, v.dtype) for name, v in more.items()])
     for axis, column in zip("xyz", points.T, strict=True):
         array[axis] = column
     for name, values in more.items():
@@ -71,13 +65,13 @@ class Stamped:
         self.pose = SimpleNamespace(position=position, orientation=orientation)
 
 
-def test_meshes_of_trimesh() -> None:
+def test_meshes_of_trimesh():
     scene = scene_from_objects({"table": table(), "low": block(0.05), "top": block(0.15)}, fixed=["table"])
     assert is_the_stack(scene)
     assert set(scene.meshes) == {"low", "top"} and scene.up == pytest.approx([0, 0, 1], abs=1e-3)
 
 
-def test_clouds_and_scenes_of_trimesh() -> None:
+def test_clouds_and_scenes_of_trimesh():
     cloud = trimesh.PointCloud(trimesh.sample.sample_surface(block(0.05), 2000, seed=0)[0])
     parts = trimesh.Scene([block(0.15)])
     scene = scene_from_objects({"table": table(), "low": cloud, "top": parts}, fixed=["table"])
@@ -85,7 +79,7 @@ def test_clouds_and_scenes_of_trimesh() -> None:
     assert is_the_stack(scene)
 
 
-def test_clouds_and_meshes_of_open3d() -> None:
+def test_clouds_and_meshes_of_open3d():
     open3d = pytest.importorskip("open3d", reason="open3d is not installed: pip install open3d")
     flat = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(table()))
     low = open3d.geometry.TriangleMesh.create_box(SIZE, SIZE, SIZE).translate((-0.05, -0.05, 0.0))
@@ -95,14 +89,14 @@ def test_clouds_and_meshes_of_open3d() -> None:
     assert is_the_stack(scene_from_objects({"table": tensor, "low": low, "top": top}, fixed=["table"]))
 
 
-def test_records_of_a_point_cloud_with_returns_that_are_none() -> None:
+def test_records_of_a_point_cloud_with_returns_that_are_none():
     low, top = (trimesh.sample.sample_surface(block(z), 3000, seed=0)[0] for z in (0.05, 0.15))
     top = np.concatenate([top, [[np.nan, 0, 0]]])
     objects = {"table": records(table()), "low": records(low).reshape(2, -1), "top": records(top)}
     assert is_the_stack(scene_from_objects(objects, fixed=["table"]))
 
 
-def test_poses_of_ros_place_models_in_their_own_frame() -> None:
+def test_poses_of_ros_place_models_in_their_own_frame():
     half = np.sqrt(0.5)  # a quarter turn leaves a cube what it is
     listed = [Stamped((0, 0, 0)), Stamped((0, 0, 0.05)), Stamped((0, 0, 0.15), (0, 0, half, half))]
     objects = {"table": table(), "low": block(0.0), "top": block(0.0)}
@@ -117,7 +111,7 @@ def test_poses_of_ros_place_models_in_their_own_frame() -> None:
 
 
 @pytest.mark.parametrize("kind", ["u1", "f4"])
-def test_one_cloud_with_a_label_field(kind: str) -> None:
+def test_one_cloud_with_a_label_field(kind):
     low, top = (trimesh.sample.sample_surface(block(z), 3000, seed=0)[0] for z in (0.05, 0.15))
     every = np.concatenate([table(), low, top])
     labels = np.repeat([1, 2, 3], [len(table()), len(low), len(top)]).astype(kind)
@@ -126,7 +120,7 @@ def test_one_cloud_with_a_label_field(kind: str) -> None:
     assert is_the_stack(scene_from_points(every, labels, names=names, fixed=["table"]))
 
 
-def test_a_message_of_a_point_cloud() -> None:
+def test_a_message_of_a_point_cloud():
     rosbags = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install '.[ros]'")
     types = rosbags.get_typestore(rosbags.Stores.ROS2_HUMBLE).types
     low, top = (trimesh.sample.sample_surface(block(z), 3000, seed=0)[0] for z in (0.05, 0.15))
@@ -162,12 +156,12 @@ def test_a_message_of_a_point_cloud() -> None:
         ),
     ],
 )
-def test_what_is_none_of_these_is_refused_by_name(objects, poses, words: str) -> None:
+def test_what_is_none_of_these_is_refused_by_name(objects, poses, words):
     with pytest.raises((InvalidInput, UnknownObject), match=words):
         scene_from_objects(objects, poses)
 
 
-def test_a_cloud_without_labels_is_refused() -> None:
+def test_a_cloud_without_labels_is_refused():
     with pytest.raises(InvalidInput, match="the cloud has no labels"):
         scene_from_points(records(table()))
 
@@ -186,14 +180,14 @@ def boxes() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     return depth, masks
 
 
-def test_run_lengths_and_polygons_are_the_masks_they_stand_for() -> None:
+def test_run_lengths_and_polygons_are_the_masks_they_stand_for():
     _, masks = boxes()
     for mask in masks.values():
         assert (mask_of({"size": SHAPE, "counts": lengths(mask)}, SHAPE) == mask).all()
     assert (mask_of([[10, 20, 29, 20, 29, 39, 10, 39]], SHAPE) == masks["left"]).all()
 
 
-def test_compressed_run_lengths_are_read_as_the_reference_writes_them() -> None:
+def test_compressed_run_lengths_are_read_as_the_reference_writes_them():
     coco = pytest.importorskip("pycocotools.mask", reason="pycocotools is not installed")
     rng = np.random.default_rng(0)
     for share in (0.02, 0.5, 0.98):
@@ -203,13 +197,13 @@ def test_compressed_run_lengths_are_read_as_the_reference_writes_them() -> None:
         assert (mask_of({**told, "counts": told["counts"].decode()}, mask.shape) == mask).all()
 
 
-def test_compressed_run_lengths_of_a_known_mask() -> None:
+def test_compressed_run_lengths_of_a_known_mask():
     mask = np.zeros((9, 10), dtype=bool)  # of the reference's own tests
     mask[2:5, 3:7] = True
     assert (mask_of({"size": [9, 10], "counts": "m03600000i0"}, (9, 10)) == mask).all()
 
 
-def test_masks_and_depth_become_a_scene() -> None:
+def test_masks_and_depth_become_a_scene():
     depth, masks = boxes()
     annotations = [
         {"category_id": 3, "segmentation": {"size": SHAPE, "counts": lengths(masks["left"])}},
@@ -221,7 +215,7 @@ def test_masks_and_depth_become_a_scene() -> None:
     assert len(scene.clouds["cup"]) == masks["left"].sum() and len(scene.images) == 1
 
 
-def test_of_two_masks_that_overlap_the_smaller_is_in_front() -> None:
+def test_of_two_masks_that_overlap_the_smaller_is_in_front():
     depth, masks = boxes()
     inner = np.zeros(SHAPE, dtype=bool)
     inner[25:30, 15:20] = True
@@ -243,12 +237,12 @@ def test_of_two_masks_that_overlap_the_smaller_is_in_front() -> None:
         ([[0, 0, 1]], "polygon of 3 numbers"),
     ],
 )
-def test_masks_that_are_none_are_refused(segmentation, words: str) -> None:
+def test_masks_that_are_none_are_refused(segmentation, words):
     with pytest.raises(InvalidInput, match=words):
         scene_from_coco(boxes()[0], K, [{"segmentation": segmentation}])
 
 
-def test_one_name_alone_may_be_fixed() -> None:
+def test_one_name_alone_may_be_fixed():
     told = {"table": table(), "low": block(SIZE / 2), "top": block(1.5 * SIZE)}
     assert scene_from_objects(told, fixed="table", up=[0, 0, 1]).fixed == {"table"}
     labels = np.repeat([1, 2], [len(table()), 8])
@@ -276,6 +270,6 @@ POLYGON = {"segmentation": [[2, 2, 8, 2, 8, 8]], "category_id": 1}
         ([{"segmentation": {"size": "10", "counts": [100]}}], (), "annotation 0 is of the size 10"),
     ],
 )
-def test_what_is_not_of_coco_is_refused(annotations: object, categories: object, words: str) -> None:
+def test_what_is_not_of_coco_is_refused(annotations, categories, words):
     with pytest.raises(InvalidInput, match=words):
         scene_from_coco(np.ones((10, 10)), np.diag([50.0, 50.0, 1.0]), annotations, categories)  # type: ignore

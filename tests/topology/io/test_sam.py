@@ -2,14 +2,12 @@
 
 import json
 import pickle
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from run_lengths import lengths
 
-from topple.planner.cli.main import main
 from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.camera import Camera
@@ -53,7 +51,7 @@ def pose(seen: DepthImage) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("form", ["arrays", "runs", "stack", "stack with a channel"])
-def test_each_form_gives_the_clouds_of_the_labels(seen: DepthImage, form: str) -> None:
+def test_each_form_gives_the_clouds_of_the_labels(seen, form):
     masks = stack(seen)
     given = {"arrays": output(masks), "runs": output(masks, True), "stack": masks}.get(form, masks[:, None])
     scene = scene_from_sam(seen.depth, seen.K, given, **pose(seen))
@@ -66,7 +64,7 @@ def test_each_form_gives_the_clouds_of_the_labels(seen: DepthImage, form: str) -
     assert any("masks 4 reach across the picture" in text for text in scene.assumptions)
 
 
-def test_what_a_segmentation_of_everything_adds_is_left_out_and_said(seen: DepthImage) -> None:
+def test_what_a_segmentation_of_everything_adds_is_left_out_and_said(seen):
     masks = stack(seen)
     print_on_it = np.zeros_like(masks[0])
     print_on_it[tuple(np.argwhere(masks[1])[200])] = True
@@ -83,7 +81,7 @@ def test_what_a_segmentation_of_everything_adds_is_left_out_and_said(seen: Depth
     assert np.array_equal(scene.clouds["2"], plain.clouds["2"]), "what the fragment covered is seen again"
 
 
-def test_depth_says_which_masks_cannot_be_trusted(seen: DepthImage) -> None:
+def test_depth_says_which_masks_cannot_be_trusted(seen):
     masks = stack(seen)
     columns = np.indices(masks[2].shape)[1]
     left = masks[2] & (columns < np.median(columns[masks[2]]))
@@ -94,9 +92,7 @@ def test_depth_says_which_masks_cannot_be_trusted(seen: DepthImage) -> None:
 
 
 @pytest.mark.parametrize("form", ["masks.json", "annotations.json", "masks.npy", "masks.npz"])
-def test_masks_are_read_from_a_file_beside_the_frame(
-    seen: DepthImage, form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_masks_are_read_from_a_file_beside_the_frame(seen, form, tmp_path, typed):
     masks, file, frame = stack(seen), tmp_path / form, tmp_path / "frame.npz"
     np.savez(frame, depth=seen.depth, K=seen.K, **pose(seen))
     if form == "masks.npy":
@@ -111,11 +107,11 @@ def test_masks_are_read_from_a_file_beside_the_frame(
     assert scene.names == same.names
     assert all(np.array_equal(scene.clouds[name], same.clouds[name]) for name in scene.names)
     if form == "masks.json":
-        assert main(["order", str(frame), "--masks", str(file), "--target", "1", "--json"]) == 0
-        assert json.loads(capsys.readouterr().out)["order"] == ["2", "1"]
+        found = typed("order", frame, "--masks", file, "--target", "1", "--json").document
+        assert found["order"] == ["2", "1"]
 
 
-def test_pickles_and_other_files_are_refused(seen: DepthImage, tmp_path: Path) -> None:
+def test_pickles_and_other_files_are_refused(seen, tmp_path):
     frame, file = tmp_path / "frame.npz", tmp_path / "masks"
     np.savez(frame, depth=seen.depth, K=seen.K)
     np.save(tmp_path / "list.npy", np.array(output(stack(seen)), dtype=object))
@@ -148,6 +144,6 @@ def test_pickles_and_other_files_are_refused(seen: DepthImage, tmp_path: Path) -
         (np.zeros((3, 480, 640), dtype=bool), "none of 3 masks is of an object"),
     ],
 )
-def test_what_is_no_mask_is_refused(masks: Any, said: str) -> None:
+def test_what_is_no_mask_is_refused(masks, said):
     with pytest.raises(InvalidInput, match=said):
         scene_from_sam(np.ones((480, 640)), np.diag([500.0, 500.0, 1.0]), masks)

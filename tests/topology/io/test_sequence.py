@@ -22,7 +22,7 @@ def recording(path: Path, **changes: object) -> Path:
     return path
 
 
-def test_frames_of_a_recording_share_what_does_not_change(tmp_path: Path) -> None:
+def test_frames_of_a_recording_share_what_does_not_change(tmp_path):
     first, second = load_sequence(recording(tmp_path / "r.npz"))
     assert first.names == second.names == ("cube", "table")
     assert first.clouds["table"] is second.clouds["table"]
@@ -32,7 +32,7 @@ def test_frames_of_a_recording_share_what_does_not_change(tmp_path: Path) -> Non
     assert followed.to_json() == relate(second, deviation=followed.deviation).to_json()
 
 
-def test_an_object_nobody_saw_is_absent_from_the_frame(tmp_path: Path) -> None:
+def test_an_object_nobody_saw_is_absent_from_the_frame(tmp_path):
     ball = {"ball_xyz_01mm": CUBE, "ball_offsets": np.array([0, 300, 300])}
     first, second = load_sequence(recording(tmp_path / "r.npz", **ball))
     assert set(first.names) - set(second.names) == {"ball"}
@@ -40,7 +40,7 @@ def test_an_object_nobody_saw_is_absent_from_the_frame(tmp_path: Path) -> None:
         relate(first).followed(second)
 
 
-def test_a_folder_is_read_in_the_order_of_its_names(tmp_path: Path) -> None:
+def test_a_folder_is_read_in_the_order_of_its_names(tmp_path):
     for number in (2, 1):
         np.savez(tmp_path / f"frame_{number}.npz", cube=CUBE * 1e-4 + number)
     assert [scene.clouds["cube"].min() > 1.5 for scene in load_sequence(tmp_path)] == [False, True]
@@ -56,15 +56,13 @@ def test_a_folder_is_read_in_the_order_of_its_names(tmp_path: Path) -> None:
         ({"cube_xyz_01mm": np.full((600, 3), np.nan)}, "NaN"),
     ],
 )
-def test_what_is_no_recording_is_refused_with_the_file_s_name(
-    tmp_path: Path, changes: dict[str, object], message: str
-) -> None:
+def test_what_is_no_recording_is_refused_with_the_file_s_name(tmp_path, changes, message):
     path = recording(tmp_path / "r.npz", **changes)
     with pytest.raises(InvalidInput, match=message) as refused:
         list(load_sequence(path))
     assert str(refused.value).startswith(str(path))
 
 
-def test_an_empty_folder_is_no_sequence(tmp_path: Path) -> None:
+def test_an_empty_folder_is_no_sequence(tmp_path):
     with pytest.raises(InvalidInput, match="the folder is empty"):
         list(load_sequence(tmp_path))

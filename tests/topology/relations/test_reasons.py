@@ -27,7 +27,7 @@ def check(pair: PairRelation, size_a: int, size_b: int) -> None:
 
 @pytest.mark.parametrize("cameras", [0, 1, 3])
 @pytest.mark.parametrize("plain", [False, True])
-def test_only_a_reason_parts_the_relation_from_the_matrix(cameras: int, plain: bool) -> None:
+def test_only_a_reason_parts_the_relation_from_the_matrix(cameras, plain):
     for seed in range(8):
         rng = np.random.default_rng(seed)
         boxes = pile(rng)
@@ -46,14 +46,14 @@ def between(a: np.ndarray, b: np.ndarray, deviation: float | None = None) -> Pai
     return relations.between("a", "b")
 
 
-def test_surfaces_that_meet_between_their_points_touch_within_the_deviation() -> None:
+def test_surfaces_that_meet_between_their_points_touch_within_the_deviation():
     grid = np.stack(np.meshgrid(np.linspace(-0.3, 0.3, 13), np.linspace(-0.3, 0.3, 13), [0.0]), -1)
     pair = between(np.array([[0.013, 0.021, 0.001], [0.013, 0.021, 0.05]]), grid.reshape(-1, 3), 0.002)
     assert (pair.relation, pair.reason) == (Relation.TOUCH, CLOSE)
     assert pair.matrix[:, :2].sum() == 0
 
 
-def test_points_of_cells_that_are_near_do_not_make_surfaces_touch() -> None:
+def test_points_of_cells_that_are_near_do_not_make_surfaces_touch():
     rng = np.random.default_rng(0)
     lower = np.c_[rng.uniform(-0.1, 0.1, (6000, 2)), np.zeros(6000)]
     pair = between(lower + 0.005 * UP, lower, 0.002)
@@ -61,14 +61,14 @@ def test_points_of_cells_that_are_near_do_not_make_surfaces_touch() -> None:
     assert (pair.matrix[:, 1] > 0).all()
 
 
-def test_a_ball_below_the_rim_is_held_in_the_hollow_of_its_bowl() -> None:
+def test_a_ball_below_the_rim_is_held_in_the_hollow_of_its_bowl():
     rng = np.random.default_rng(1)
     pair = between(ball(rng, 0.015, np.array([0, 0, 0.034])), bowl(rng))
     assert (pair.relation, pair.reason) == (Relation.WITHIN, HOLLOW)
     assert pair.matrix[0, 2] > 0
 
 
-def test_a_few_points_inside_put_nothing_into_the_other() -> None:
+def test_a_few_points_inside_put_nothing_into_the_other():
     rng = np.random.default_rng(2)
     above = ball(rng, 0.02, np.array([0.0, 0.0, 0.085]), 992)
     wick = np.linspace(0.02, 0.065, 8)[:, None] * UP

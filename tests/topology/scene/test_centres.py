@@ -3,7 +3,6 @@
 import copy
 import json
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,13 +35,13 @@ def overhanging(**centres: tuple[float, float, float]) -> Scene:
 HELD = (0.02, 0.0, 0.205)
 
 
-def test_forces_hold_what_has_its_weight_over_its_support_and_nothing_else() -> None:
+def test_forces_hold_what_has_its_weight_over_its_support_and_nothing_else():
     assert Statics.of(overhanging()).unexplained["plank"] > 0.3
     assert Statics.of(overhanging(plank=HELD)).unexplained["plank"] < 1e-6
     assert Statics.of(overhanging(plank=(0.08, 0.0, 0.205))).unexplained["plank"] > 0.3
 
 
-def test_what_falls_without_a_weight_on_it_depends_on_where_the_centre_is() -> None:
+def test_what_falls_without_a_weight_on_it_depends_on_where_the_centre_is():
     def fallen(**centres: tuple[float, float, float]) -> set[str]:
         scene = overhanging(**centres).with_cloud("weight", box((0.05, 0.05, 0.05), (-0.03, 0, 0.235)))
         statics = Statics.of(scene.weighed({"weight": 2.0, "plank": 0.2}))
@@ -54,7 +53,7 @@ def test_what_falls_without_a_weight_on_it_depends_on_where_the_centre_is() -> N
     assert fallen(plank=HELD) == set()
 
 
-def test_a_scene_keeps_them_and_moves_them_along() -> None:
+def test_a_scene_keeps_them_and_moves_them_along():
     scene = overhanging(plank=HELD, block=(0.0, 0.01, 0.06))
     for same in (pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene), scene.with_up((0, 0, 2))):
         assert np.allclose(same.centres["plank"], HELD)
@@ -74,7 +73,7 @@ def test_a_scene_keeps_them_and_moves_them_along() -> None:
         scene.centres["plank"][0] = 1.0
 
 
-def test_they_are_read_from_files_and_written(tmp_path: Path) -> None:
+def test_they_are_read_from_files_and_written(tmp_path):
     overhanging(plank=HELD).save(tmp_path / "scene.npz")
     assert np.allclose(load_scene(tmp_path / "scene.npz").centres["plank"], HELD)
     folder = tmp_path / "scene"
@@ -96,7 +95,7 @@ def test_they_are_read_from_files_and_written(tmp_path: Path) -> None:
         ({"plank": (0.1, 0.0, 5.0)}, "outside of its points, .* not in the object's own"),
     ],
 )
-def test_what_is_no_centre_is_refused_in_one_line(centres: dict[str, object], says: str) -> None:
+def test_what_is_no_centre_is_refused_in_one_line(centres, says):
     with pytest.raises(InvalidInput, match=says):
         Scene(overhanging().clouds, centres=centres)  # type: ignore[arg-type]
     with pytest.raises(UnknownObject, match="object with a centre of mass 'cup'"):

@@ -2,9 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -75,7 +73,7 @@ def _agree(scene: Scene) -> int:
     return lying
 
 
-def test_nothing_contradicts_the_relations(laid: Scene) -> None:
+def test_nothing_contradicts_the_relations(laid):
     assert _agree(laid) >= 3
 
 
@@ -84,14 +82,14 @@ def test_nothing_contradicts_the_relations(laid: Scene) -> None:
 @pytest.mark.parametrize(
     "view", ["full", *(pytest.param(one, marks=pytest.mark.slow) for one in ("view1", "view3"))]
 )
-def test_nothing_contradicts_the_relations_of_recorded_piles(view: str) -> None:
+def test_nothing_contradicts_the_relations_of_recorded_piles(view):
     from topple.benchmarks.recorded import recorded_piles
 
     cameras = {"full": 0, "view1": 1, "view3": 3}[view]
     assert sum(_agree(case.scenes[cameras]) for case in recorded_piles(PILES)) > 40
 
 
-def test_every_edge_says_what_it_rests_on(laid: Scene) -> None:
+def test_every_edge_says_what_it_rests_on(laid):
     found = order(laid).to_json()
     edges = {(edge["first"], edge["then"]): edge for edge in found["dependencies"]}
     assert {("spoon", "plate"), ("ball", "bowl"), ("top", "low")} <= set(edges)
@@ -108,7 +106,7 @@ def test_every_edge_says_what_it_rests_on(laid: Scene) -> None:
     assert any("(touch, 0." in line and "observed)" in line for line in found["explanation"])
 
 
-def test_what_cameras_show_of_an_edge_is_told_by_the_pixel() -> None:
+def test_what_cameras_show_of_an_edge_is_told_by_the_pixel():
     with scenario("dishes", 0) as stage:
         images = [camera.look(stage.world, np.random.default_rng(0)) for camera in stage.cameras]
     scene = Scene.from_images(images, up=(0, 0, 1))
@@ -124,7 +122,7 @@ def test_what_cameras_show_of_an_edge_is_told_by_the_pixel() -> None:
                 assert image.name_of(int(image.borders.owner[row, column])) in (each["a"], each["b"])
 
 
-def test_an_overhang_that_only_a_hidden_side_has_is_inferred() -> None:
+def test_an_overhang_that_only_a_hidden_side_has_is_inferred():
     pytest.importorskip("topple.benchmarks.chances", reason="the benches come with a checkout")
     from topple.benchmarks.chances import given
     from topple.benchmarks.truth.cases import training
@@ -141,7 +139,7 @@ def test_an_overhang_that_only_a_hidden_side_has_is_inferred() -> None:
     assert told == {True, False}
 
 
-def test_what_a_lift_meets_is_a_relation_of_the_swept_body(laid: Scene) -> None:
+def test_what_a_lift_meets_is_a_relation_of_the_swept_body(laid):
     situation = Situation(laid)
     met = situation.swept("low", "top")
     assert met.swept and met.gap < -0.02
@@ -150,7 +148,7 @@ def test_what_a_lift_meets_is_a_relation_of_the_swept_body(laid: Scene) -> None:
     assert situation.swept("low", "beside").relation is Relation.DISJOINT
 
 
-def test_a_pair_called_disjoint_has_no_edge(laid: Scene) -> None:
+def test_a_pair_called_disjoint_has_no_edge(laid):
     altered = relate(laid).with_relation("top", "low", "disjoint")
     for edge in order(laid, relations=altered).graph.dependencies:
         for each in edge.evidence:
@@ -158,7 +156,7 @@ def test_a_pair_called_disjoint_has_no_edge(laid: Scene) -> None:
     assert not any({s.supporter, s.supported} == {"top", "low"} for s in Situation(laid, altered).supports)
 
 
-def test_a_pair_called_touching_has_a_contact(laid: Scene) -> None:
+def test_a_pair_called_touching_has_a_contact(laid):
     assert relate(laid).between("low", "beside").relation is Relation.DISJOINT
     altered = Situation(laid, relate(laid).with_relation("low", "beside", Relation.TOUCH))
     patches = [c for c in altered.contacts if {c.a, c.b} == {"low", "beside"}]
@@ -168,7 +166,7 @@ def test_a_pair_called_touching_has_a_contact(laid: Scene) -> None:
 
 
 @pytest.mark.slow
-def test_another_programs_relations_order_a_scene(laid: Scene) -> None:
+def test_another_programs_relations_order_a_scene(laid):
     told = {
         "format": "topple.relations",
         "relations": [
@@ -200,16 +198,14 @@ def test_another_programs_relations_order_a_scene(laid: Scene) -> None:
         (lambda d: d["relations"].append(7), InvalidInput, r"relations\[28\]: expected"),
     ],
 )
-def test_what_is_no_relations_is_refused(
-    laid: Scene, change: Callable[[dict[str, Any]], None], error: type[Exception], words: str
-) -> None:
+def test_what_is_no_relations_is_refused(laid, change, error, words):
     document = relate(laid).to_json()
     change(document)
     with pytest.raises(error, match=words):
         Relations.from_json(document, laid)
 
 
-def test_a_situation_works_everything_out_once(laid: Scene) -> None:
+def test_a_situation_works_everything_out_once(laid):
     situation = Situation.of(laid)
     assert Situation.of(situation) is situation
     assert situation.relations is situation.relations
@@ -217,7 +213,7 @@ def test_a_situation_works_everything_out_once(laid: Scene) -> None:
     assert situation.supports is situation.supports
 
 
-def test_what_stays_is_completed_once_and_what_moves_keeps_its_body() -> None:
+def test_what_stays_is_completed_once_and_what_moves_keeps_its_body():
     rng = np.random.default_rng(3)
     before = Situation.of(seen(pile(rng), rng, 2))
     left, moving = before.movable[0], before.movable[1]

@@ -15,7 +15,7 @@ COUNTED = json.loads(files("topple.topology.sixim").joinpath("confidence.json").
 
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("kind", Evidence)
-def test_better_evidence_is_never_believed_less_and_none_is_certain(view: str, kind: Evidence) -> None:
+def test_better_evidence_is_never_believed_less_and_none_is_certain(view, kind):
     edges = EDGES.get(kind, ())
     measures = [0.0, *edges]
     assert [bin_of(kind, measure) for measure in measures] == list(range(len(COUNTED[view][kind])))
@@ -26,7 +26,7 @@ def test_better_evidence_is_never_believed_less_and_none_is_certain(view: str, k
 
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("kind", Evidence)
-def test_on_the_whole_as_many_are_believed_as_were_true(view: str, kind: Evidence) -> None:
+def test_on_the_whole_as_many_are_believed_as_were_true(view, kind):
     cases = COUNTED[view][kind]
     believed = sum(
         sum(case) * confidence(kind, VIEWS[view], measure)
@@ -35,6 +35,6 @@ def test_on_the_whole_as_many_are_believed_as_were_true(view: str, kind: Evidenc
     assert believed == pytest.approx(sum(right for right, _ in cases), abs=0.5 * len(cases))
 
 
-def test_what_cameras_saw_apart_is_believed_more_than_what_they_did_not() -> None:
+def test_what_cameras_saw_apart_is_believed_more_than_what_they_did_not():
     assert confidence(Evidence.APART, 1, 20.0) > confidence(Evidence.APART_UNSEEN, 1, 0.001)
     assert confidence(Evidence.CARRIES, 1) > confidence(Evidence.CARRIES_UNSEEN, 1, 0.05)

@@ -58,7 +58,7 @@ def made(name: str, rng: np.random.Generator) -> np.ndarray:
 
 @given(st.integers(0, 2**32), st.lists(st.sampled_from(sorted(SHAPES)), min_size=2, max_size=4))
 @settings(max_examples=150, deadline=None)
-def test_relations_and_matrices_are_those_of_the_plain_rule(seed: int, names: list[str]) -> None:
+def test_relations_and_matrices_are_those_of_the_plain_rule(seed, names):
     rng = np.random.default_rng(seed)
     clouds = {f"{number} {name}": made(name, rng) for number, name in enumerate(names)}
     if rng.random() < 0.2:
@@ -73,14 +73,14 @@ def test_relations_and_matrices_are_those_of_the_plain_rule(seed: int, names: li
 
 @given(st.integers(0, 2**32), st.sampled_from(sorted(SHAPES)), st.sampled_from(sorted(SHAPES)))
 @settings(max_examples=60, deadline=None)
-def test_prepared_regions_count_like_every_facet_for_every_point(seed: int, one: str, other: str) -> None:
+def test_prepared_regions_count_like_every_facet_for_every_point(seed, one, other):
     rng = np.random.default_rng(seed)
     points, hull = made(one, rng), Hull.of(made(other, rng))
     assert Regions(hull, DEVIATION).counts(points).tolist() == counts(points, hull, DEVIATION).tolist()
 
 
 @pytest.mark.parametrize("facets", [60, 600])
-def test_tables_of_a_hull_with_many_facets_change_no_count(facets: int) -> None:
+def test_tables_of_a_hull_with_many_facets_change_no_count(facets):
     """So many distances that a table of the hull enlarged and shrunk by the deviation pays for itself."""
     rng = np.random.default_rng(facets)
     ball = rng.normal(size=(facets, 3))

@@ -29,7 +29,7 @@ def scene(**clouds: np.ndarray) -> Scene:
     return Scene({**clouds, "table": table()}, fixed=["table"], up=(0, 0, 1))
 
 
-def test_a_box_on_a_box_touches_it_with_a_normal_up() -> None:
+def test_a_box_on_a_box_touches_it_with_a_normal_up():
     upright = Upright.of(
         scene(low=box((0.1, 0.1, 0.05), (0, 0, 0.025)), top=box((0.06, 0.06, 0.06), (0, 0, 0.08)))
     )
@@ -39,7 +39,7 @@ def test_a_box_on_a_box_touches_it_with_a_normal_up() -> None:
     assert abs(contact.points[:, 2].mean() - 0.05) < 0.005
 
 
-def test_far_apart_means_no_contact() -> None:
+def test_far_apart_means_no_contact():
     upright = Upright.of(
         scene(a=box((0.1, 0.1, 0.05), (-0.1, 0, 0.025)), b=box((0.05,) * 3, (0.1, 0, 0.025)))
     )
@@ -48,7 +48,7 @@ def test_far_apart_means_no_contact() -> None:
     }  # fmt: skip
 
 
-def test_a_tilted_frame_finds_the_same_contacts() -> None:
+def test_a_tilted_frame_finds_the_same_contacts():
     clouds = {
         "low": box((0.1, 0.1, 0.05), (0, 0, 0.025)),
         "top": box((0.06,) * 3, (0, 0, 0.08)),
@@ -60,13 +60,13 @@ def test_a_tilted_frame_finds_the_same_contacts() -> None:
     assert pairs == {frozenset(("low", "table")), frozenset(("low", "top"))}
 
 
-def test_without_up_the_message_says_how_to_give_it() -> None:
+def test_without_up_the_message_says_how_to_give_it():
     with pytest.raises(InvalidInput, match=r"up=\[0, 0, 1\]"):
         Upright.of(Scene({"a": box((0.1,) * 3, (0, 0, 0))}))
 
 
 @pytest.mark.parametrize(("beyond", "touching"), [(-0.05, True), (0.035, True), (0.06, False), (2.0, False)])
-def test_a_table_goes_on_a_little_beyond_what_was_seen_of_it(beyond: float, touching: bool) -> None:
+def test_a_table_goes_on_a_little_beyond_what_was_seen_of_it(beyond, touching):
     """A thin bar along the edge of the table, its near side that far beyond the last point [m]."""
     bar = box((0.02, 0.2, 0.02), (0.3 + beyond + 0.01, 0, 0.01))
     found = {frozenset((c.a, c.b)) for c in find_contacts(Upright.of(scene(bar=bar)))}
@@ -74,6 +74,6 @@ def test_a_table_goes_on_a_little_beyond_what_was_seen_of_it(beyond: float, touc
 
 
 @pytest.mark.parametrize(("beyond", "over"), [(0.015, True), (0.025, False), (1.0, False)])
-def test_a_top_whose_edge_was_seen_ends_there(beyond: float, over: bool) -> None:
+def test_a_top_whose_edge_was_seen_ends_there(beyond, over):
     plane = Plane(np.array([0, 0, 1.0]), 0.0, np.array([-0.3, -0.3, 0]), np.array([0.3, 0.3, 0]), ends=True)
     assert plane.over(np.array([[0.3 + beyond, 0.0, 0.0]])).tolist() == [over]

@@ -18,27 +18,27 @@ def _body(x: float = 0.0) -> dict[str, Weight]:
     return {"body": Weight(1.0, np.array([x, 0, 0.03]), 0.03)}
 
 
-def test_what_stands_on_its_feet_does_not_move() -> None:
+def test_what_stands_on_its_feet_does_not_move():
     fall = falls(_body(), [_feet([0.0] * 4)])["body"]
     assert fall.distance == pytest.approx(0, abs=1e-6)
     assert fall.angle == pytest.approx(0, abs=1e-6)
 
 
-def test_what_hangs_over_a_gap_falls_by_the_gap() -> None:
+def test_what_hangs_over_a_gap_falls_by_the_gap():
     fall = falls(_body(), [_feet([0.0085] * 4)])["body"]
     assert fall.distance == pytest.approx(0.008, abs=1e-4)
 
 
-def test_what_stands_on_two_feet_tips_until_the_others_meet_the_ground() -> None:
+def test_what_stands_on_two_feet_tips_until_the_others_meet_the_ground():
     fall = falls(_body(0.01), [_feet([0, 0.0105, 0.0105, 0])])["body"]
     assert np.degrees(fall.angle) == pytest.approx(np.degrees(0.010 / 0.1), rel=0.15)
 
 
-def test_what_nothing_carries_falls_as_far_as_is_followed() -> None:
+def test_what_nothing_carries_falls_as_far_as_is_followed():
     assert falls(_body(), [])["body"].distance == pytest.approx(0.02, rel=0.01)
 
 
-def test_what_is_gone_carries_nothing_and_does_not_fall() -> None:
+def test_what_is_gone_carries_nothing_and_does_not_fall():
     low, high = Weight(1.0, np.array([0, 0, 0.03]), 0.03), Weight(1.0, np.array([0, 0, 0.09]), 0.03)
     foot = _feet([0.0] * 4)
     on = Contact("body", "top", foot.points + np.array([0, 0, 0.06]), foot.normals, foot.gaps, foot.turns)
@@ -53,7 +53,7 @@ def _box(size: tuple[float, float, float], low: tuple[float, float, float]) -> n
     return points[(np.isclose(points, 0) | np.isclose(points, size)).any(axis=1)] + low
 
 
-def test_a_plank_falls_without_the_weight_on_its_end_and_not_without_what_stands_aside() -> None:
+def test_a_plank_falls_without_the_weight_on_its_end_and_not_without_what_stands_aside():
     x, y = np.meshgrid(np.linspace(-0.3, 0.3, 60), np.linspace(-0.3, 0.3, 60))
     clouds = {
         "block": _box((0.08, 0.08, 0.06), (-0.08, -0.04, 0)),

@@ -66,7 +66,7 @@ SCENES = {
 
 @pytest.mark.parametrize("cameras", [1, 2])
 @pytest.mark.parametrize("name", SCENES)
-def test_everything_has_its_support_and_no_other(name: str, cameras: int) -> None:
+def test_everything_has_its_support_and_no_other(name, cameras):
     bodies, wanted = SCENES[name]
     scene = rendered(bodies, cameras)
     relations = relate(scene)
@@ -80,7 +80,7 @@ def test_everything_has_its_support_and_no_other(name: str, cameras: int) -> Non
             assert pair.confidence == confidence(evidence, cameras)
 
 
-def test_what_is_added_to_a_box_lies_within_it_and_where_nobody_saw_through() -> None:
+def test_what_is_added_to_a_box_lies_within_it_and_where_nobody_saw_through():
     upright = Upright.of(rendered([(LOW, (0.0, 0.0, 0.0))], 2))
     assert upright.viewpoints is not None
     sight = FreeSpace(upright.clouds, upright.viewpoints)
@@ -94,20 +94,20 @@ def test_what_is_added_to_a_box_lies_within_it_and_where_nobody_saw_through() ->
     assert not sight.empty(whole["low"][len(seen) :]).any()
 
 
-def test_whole_clouds_are_left_as_they_are() -> None:
+def test_whole_clouds_are_left_as_they_are():
     rng = np.random.default_rng(0)
     ground = np.c_[rng.uniform(-0.2, 0.2, (4000, 2)), np.zeros(4000)]
     upright = Upright.of(Scene({"table": ground, "low": LOW.surface(6000, rng)}, fixed=["table"], up=UP))
     assert np.array_equal(complete(upright, None)["low"], upright.clouds["low"])
 
 
-def test_hollow_things_are_told_from_full_ones() -> None:
+def test_hollow_things_are_told_from_full_ones():
     rng = np.random.default_rng(0)
     for body, hollow in ((shapes.bowl(), True), (shapes.mug(), True), (LOW, False), (shapes.can(), False)):
         assert is_hollow(body.surface(6000, rng), None) is hollow, body.name
 
 
-def test_space_is_empty_in_front_of_what_was_seen_and_nowhere_else() -> None:
+def test_space_is_empty_in_front_of_what_was_seen_and_nowhere_else():
     across = np.linspace(-0.2, 0.2, 81)
     wall = np.stack(np.meshgrid(across, across, [0.0]), axis=-1).reshape(-1, 3)
     sight = FreeSpace({"seen": wall}, np.array([[0.0, 0.0, 1.0]]))
@@ -116,7 +116,7 @@ def test_space_is_empty_in_front_of_what_was_seen_and_nowhere_else() -> None:
     assert len(sight.empty(places[:0])) == 0
 
 
-def test_beyond_a_picture_s_edge_nothing_was_seen_whatever_others_saw_there() -> None:
+def test_beyond_a_picture_s_edge_nothing_was_seen_whatever_others_saw_there():
     across = np.linspace(-0.5, 0.5, 201)
     wall = np.stack(np.meshgrid(across, across, [0.0]), axis=-1).reshape(-1, 3)
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -128,7 +128,7 @@ def test_beyond_a_picture_s_edge_nothing_was_seen_whatever_others_saw_there() ->
     assert FreeSpace({"seen": wall}, pose[None, :3, 3], [image]).empty(places).tolist() == [True, False]
 
 
-def test_a_hidden_contact_carries_what_nothing_seen_does() -> None:
+def test_a_hidden_contact_carries_what_nothing_seen_does():
     statics = Statics.of(rendered([(LOW, (0.0, 0.0, 0.0)), (BESIDE, (0.13, 0.0, 0.0))], 1))
     assert {frozenset((c.a, c.b)) for c in statics.contacts} == {
         frozenset(("table", "low")),

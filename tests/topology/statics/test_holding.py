@@ -16,7 +16,7 @@ from made import pile, whole
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_deficits_are_those_of_the_programme_whoever_is_gone(seed: int) -> None:
+def test_deficits_are_those_of_the_programme_whoever_is_gone(seed):
     rng = np.random.default_rng(seed)
     statics = Statics.of(whole(pile(rng, 8), rng))
     assert len(statics.weights) > 3
@@ -27,7 +27,7 @@ def test_deficits_are_those_of_the_programme_whoever_is_gone(seed: int) -> None:
 
 
 @pytest.mark.parametrize("bricks", [15, 24])  # of the second some of what falls is asked about alone
-def test_falls_of_a_large_island_are_those_of_the_programme_whoever_is_gone(bricks: int) -> None:
+def test_falls_of_a_large_island_are_those_of_the_programme_whoever_is_gone(bricks):
     clouds = pytest.importorskip("topple.benchmarks.clouds", reason="the benches come with a checkout")
     statics = Statics.of(clouds.brick_wall(bricks, 0))
     points = sum(len(contact.gaps) for contact in statics._catching)
@@ -43,7 +43,7 @@ def test_falls_of_a_large_island_are_those_of_the_programme_whoever_is_gone(bric
     assert moving > 0
 
 
-def test_what_nothing_touches_is_not_held() -> None:
+def test_what_nothing_touches_is_not_held():
     alone = {"body": Weight(1.0, np.zeros(3), 0.03)}
     assert not is_held(alone, [], 1e-9)
     assert deficits(alone, []) == {"body": 1.0}

@@ -30,12 +30,12 @@ def found(clouds: dict[str, np.ndarray]) -> dict[tuple[str, str], str]:
     return {(s.supporter, s.supported): s.kind for s in Situation(scene).supports}
 
 
-def test_a_stack_is_carried_from_below_only() -> None:
+def test_a_stack_is_carried_from_below_only():
     clouds = {"low": box((0.1, 0.1, 0.06), (0, 0, 0.03)), "top": box((0.07, 0.07, 0.05), (0.01, 0, 0.085))}
     assert found(clouds) == {("table", "low"): "rests", ("low", "top"): "rests"}
 
 
-def test_a_bridge_rests_on_both_piers() -> None:
+def test_a_bridge_rests_on_both_piers():
     clouds = {
         "left": box((0.06, 0.08, 0.08), (-0.08, 0, 0.04)),
         "right": box((0.06, 0.08, 0.08), (0.08, 0, 0.04)),
@@ -46,7 +46,7 @@ def test_a_bridge_rests_on_both_piers() -> None:
     assert ("table", "bridge") not in carried
 
 
-def test_side_by_side_carries_nobody() -> None:
+def test_side_by_side_carries_nobody():
     clouds = {"a": box((0.08,) * 3, (-0.0405, 0, 0.04)), "b": box((0.08,) * 3, (0.0405, 0, 0.04))}
     assert set(found(clouds)) == {("table", "a"), ("table", "b")}
 
@@ -58,7 +58,7 @@ def _patch(points: list[list[float]], normal: list[float]) -> Contact:
     )
 
 
-def test_a_weight_over_its_foot_is_in_equilibrium_and_beside_it_is_not() -> None:
+def test_a_weight_over_its_foot_is_in_equilibrium_and_beside_it_is_not():
     foot = _patch([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]], [0, 0, 1.0])
     over = Weight(1.0, np.array([0.05, 0.05, 0.05]), 0.03)
     beside = Weight(1.0, np.array([0.13, 0.05, 0.05]), 0.03)
@@ -66,7 +66,7 @@ def test_a_weight_over_its_foot_is_in_equilibrium_and_beside_it_is_not() -> None
     assert balance({"body": beside}, [foot]).deficit["body"] > 0.5
 
 
-def test_a_slope_holds_by_friction_up_to_its_angle() -> None:
+def test_a_slope_holds_by_friction_up_to_its_angle():
     def missing(degrees: float) -> float:
         s, c = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
         along, across, normal = np.array([c, 0, s]), np.array([0, 1.0, 0]), np.array([-s, 0, c])
@@ -78,7 +78,7 @@ def test_a_slope_holds_by_friction_up_to_its_angle() -> None:
     assert missing(35) > 0.05
 
 
-def test_the_load_of_two_feet_is_the_weight() -> None:
+def test_the_load_of_two_feet_is_the_weight():
     foot = _patch([[-0.1, 0, 0], [0.1, 0, 0]], [0, 0, 1.0])
     loads = balance({"body": Weight(2.0, np.array([0.05, 0, 0.1]), 0.03)}, [foot]).loads[0]
     assert loads.sum() == pytest.approx(2.0)
@@ -86,7 +86,7 @@ def test_the_load_of_two_feet_is_the_weight() -> None:
 
 
 @pytest.mark.parametrize("lower", [0.0, 0.004, 0.0085])
-def test_a_support_is_believed_as_others_with_such_a_gap_were_true(lower: float) -> None:
+def test_a_support_is_believed_as_others_with_such_a_gap_were_true(lower):
     """A bridge from a pier to a board, which lies lower than the pier is high [m]."""
     x, y = np.meshgrid(np.linspace(0.05, 0.2, 40), np.linspace(-0.1, 0.1, 40))
     clouds = {

@@ -39,29 +39,27 @@ SIDE = slab((0.3, 0.02, 0.3), 0.1, 0.3, 0.0)
         ((TABLE, BOARD, FRONT, BACK, SIDE, SIDE * [1.0, -1.0, 1.0]), (0.0, 0.0, 1.0)),
     ],
 )  # fmt: skip
-def test_the_way_out_is_up_or_the_shortest_free_one_from_under_a_board(
-    fixed: tuple[FloatArray, ...], way: tuple[float, float, float]
-) -> None:
+def test_the_way_out_is_up_or_the_shortest_free_one_from_under_a_board(fixed, way):
     still = np.concatenate(fixed)
     assert np.allclose(way_out(THING, still, UP), way, atol=0.02)
     turned = way_out(THING @ TURN.T, still @ TURN.T, TURN @ UP)
     assert np.allclose(turned, TURN @ np.array(way), atol=0.02)
 
 
-def test_a_few_strays_over_an_object_bar_nothing() -> None:
+def test_a_few_strays_over_an_object_bar_nothing():
     strays = np.array([[0.01 * k, 0.0, 0.2] for k in range(3)])
     assert np.array_equal(way_out(THING, np.concatenate([TABLE, strays]), UP), UP)
     assert np.array_equal(way_out(THING, np.empty((0, 3)), UP), UP)
 
 
-def test_a_wall_that_a_thin_thing_stands_against_is_not_over_it() -> None:
+def test_a_wall_that_a_thin_thing_stands_against_is_not_over_it():
     thin = box(size=(0.012, 0.1, 0.1)).surface(2000, np.random.default_rng(0))
     wall = slab((0.02, 0.6, 0.3), -0.017, 0.0, 0.0)
     assert np.array_equal(way_out(thin, np.concatenate([TABLE, wall]), UP), UP)
     assert not np.array_equal(way_out(thin, np.concatenate([TABLE, BOARD]), UP), UP)
 
 
-def test_a_board_that_a_picture_ends_on_goes_on_over_its_shelf_unless_that_is_seen_to_be_empty() -> None:
+def test_a_board_that_a_picture_ends_on_goes_on_over_its_shelf_unless_that_is_seen_to_be_empty():
     shelf = np.concatenate(
         [slab((0.5, 0.6, 0.02), 0.15, 0.0, -0.02), slab((0.12, 0.6, 0.02), -0.04, 0.0, 0.3)]
     )

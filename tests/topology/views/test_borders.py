@@ -1,5 +1,3 @@
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from scipy import ndimage
@@ -23,13 +21,13 @@ def step() -> np.ndarray:
 
 
 @pytest.mark.parametrize("off", [1, 2, BORDER])
-def test_masks_beside_a_step_of_depth_end_at_it(off: int) -> None:
+def test_masks_beside_a_step_of_depth_end_at_it(off):
     for shifted in (np.roll(HALVES, off, axis=1), np.roll(HALVES, -off, axis=1)):
         shifted[:, :10], shifted[:, 30:] = 1, 2
         assert (owners_of(step(), shifted) == HALVES).all()
 
 
-def test_what_flies_between_two_surfaces_is_nobodys() -> None:
+def test_what_flies_between_two_surfaces_is_nobodys():
     depth = step()
     depth[5:30, 19] = 0.75
     found = owners_of(depth, HALVES)
@@ -42,7 +40,7 @@ def test_what_flies_between_two_surfaces_is_nobodys() -> None:
 
 
 @pytest.mark.parametrize(("wide", "kept"), [(2, False), (3, True), (4, True)])
-def test_a_face_turned_away_at_a_border_stays_and_a_narrower_ramp_flies(wide: int, kept: bool) -> None:
+def test_a_face_turned_away_at_a_border_stays_and_a_narrower_ramp_flies(wide, kept):
     depth = np.where(HALVES == 1, 0.7, 0.8)
     face = slice(20 - wide, 20)
     depth[:, face] = 0.7 + 0.006 * np.arange(1, wide + 1)  # falls off steeply, towards what stands behind
@@ -52,14 +50,14 @@ def test_a_face_turned_away_at_a_border_stays_and_a_narrower_ramp_flies(wide: in
 
 
 @pytest.mark.parametrize("wide", [1, 2, 3, 5])
-def test_thin_things_keep_their_pixels(wide: int) -> None:
+def test_thin_things_keep_their_pixels(wide):
     depth, label = np.full((60, 60), 0.8), np.zeros((60, 60), dtype=int)
     depth[10:50, 30 : 30 + wide] = 0.76  # a spoon held over the table
     label[10:50, 30 : 30 + wide] = 7
     assert (owners_of(depth, label) == label).all()
 
 
-def test_a_rim_before_its_own_inside_stays_and_a_strip_of_a_nearer_neighbour_does_not() -> None:
+def test_a_rim_before_its_own_inside_stays_and_a_strip_of_a_nearer_neighbour_does_not():
     depth, label = np.full((80, 80), 0.9), np.zeros((80, 80), dtype=int)
     depth[20:60, 20:60] = 0.88  # the floor of a tray
     depth[57:60, 20:60] = 0.84  # its rim, in front
@@ -72,7 +70,7 @@ def test_a_rim_before_its_own_inside_stays_and_a_strip_of_a_nearer_neighbour_doe
     assert (borders(depth, off).owner == label).all()
 
 
-def test_slanted_and_noisy_surfaces_are_continued() -> None:
+def test_slanted_and_noisy_surfaces_are_continued():
     rng = np.random.default_rng(0)
     rows, columns = np.indices((80, 80))
     depth = 0.9 - 0.002 * rows  # a table, seen at an angle
@@ -88,7 +86,7 @@ def test_slanted_and_noisy_surfaces_are_continued() -> None:
     assert (owners_of(depth, label) != label).mean() < 0.001
 
 
-def test_pixels_without_depth_keep_their_label() -> None:
+def test_pixels_without_depth_keep_their_label():
     depth = step()
     depth[::3] = 0.0
     wrong = HALVES.copy()
@@ -99,7 +97,7 @@ def test_pixels_without_depth_keep_their_label() -> None:
 
 
 @pytest.mark.parametrize("label", [np.zeros((6, 8), int), np.arange(48).reshape(6, 8)])
-def test_masks_without_borders_or_without_an_inside_stay(label: np.ndarray) -> None:
+def test_masks_without_borders_or_without_an_inside_stay(label):
     assert (owners_of(np.full((6, 8), 0.5), label) == label).all()
     assert (owners_of(np.zeros((6, 8)), label) == label).all()
 
@@ -112,7 +110,7 @@ def table_with_boxes() -> tuple[np.ndarray, np.ndarray]:
     return depth, label
 
 
-def test_exact_masks_are_not_said_to_be_off() -> None:
+def test_exact_masks_are_not_said_to_be_off():
     found = borders(*table_with_boxes())
     assert (found.off, found.moved, found.said()) == (0.0, (0, 0), None)
 
@@ -121,7 +119,7 @@ def test_exact_masks_are_not_said_to_be_off() -> None:
     ("rows", "columns", "words"),
     [(0, 2, "2 px to the right"), (-1, 0, "1 px up"), (3, -2, "3 px down and 2 px to the left")],
 )
-def test_masks_beside_the_depth_are_moved_back_and_it_is_said(rows: int, columns: int, words: str) -> None:
+def test_masks_beside_the_depth_are_moved_back_and_it_is_said(rows, columns, words):
     depth, label = table_with_boxes()
     found = borders(depth, np.roll(label, (rows, columns), axis=(0, 1)))
     assert found.moved == (-rows, -columns)
@@ -130,7 +128,7 @@ def test_masks_beside_the_depth_are_moved_back_and_it_is_said(rows: int, columns
 
 
 @pytest.mark.parametrize("grow", [ndimage.grey_dilation, ndimage.grey_erosion])
-def test_masks_too_wide_or_too_narrow_are_not_moved(grow: Callable[..., np.ndarray]) -> None:
+def test_masks_too_wide_or_too_narrow_are_not_moved(grow):
     depth, label = table_with_boxes()
     found = borders(depth, grow(label, size=(3, 3)))
     assert found.moved == (0, 0)

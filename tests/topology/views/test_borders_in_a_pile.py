@@ -1,5 +1,4 @@
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,9 +29,7 @@ def looks(pile: Scenario, off: float) -> list[DepthImage]:
     return [camera.with_mask_noise(off, missing=0.0).look(pile.world, rng) for camera in pile.cameras]
 
 
-def test_what_is_given_to_another_was_wrong_and_few_that_lie_beside_their_object_are_left(
-    pile: Scenario,
-) -> None:
+def test_what_is_given_to_another_was_wrong_and_few_that_lie_beside_their_object_are_left(pile):
     for true, seen in zip(looks(pile, 0.0), looks(pile, 1.0), strict=True):
         wrong = (seen.label != true.label) & (seen.depth > 0)
         given = (seen.borders.owner != seen.label) & (seen.borders.owner >= 0)
@@ -40,7 +37,7 @@ def test_what_is_given_to_another_was_wrong_and_few_that_lie_beside_their_object
         assert (wrong & (seen.borders.owner == seen.label)).sum() < 0.4 * wrong.sum()
 
 
-def test_what_depends_on_what_is_as_with_exact_masks(pile: Scenario) -> None:
+def test_what_depends_on_what_is_as_with_exact_masks(pile):
     def found(off: float) -> tuple[set[tuple[str, str]], tuple[str, ...]]:
         cameras = [camera.with_mask_noise(off, missing=0.0) for camera in pile.cameras]
         look = Observer(pile.world, cameras, np.random.default_rng(2), pile.fixed).look()
@@ -54,9 +51,7 @@ def test_what_depends_on_what_is_as_with_exact_masks(pile: Scenario) -> None:
 
 
 @pytest.mark.parametrize("off", [0.0, 2.0])
-def test_a_frame_whose_masks_are_off_says_so_as_it_is_read(
-    pile: Scenario, tmp_path: Path, off: float
-) -> None:
+def test_a_frame_whose_masks_are_off_says_so_as_it_is_read(pile, tmp_path, off):
     seen = looks(pile, off)[0]
     np.savez(tmp_path / "frame.npz", depth=seen.depth, K=seen.K, label=seen.label)
     said = [note for note in load_scene(tmp_path / "frame.npz").assumptions if "masks are off" in note]
@@ -64,9 +59,7 @@ def test_a_frame_whose_masks_are_off_says_so_as_it_is_read(
 
 
 @pytest.mark.parametrize(("gap", "reason"), [(0.0, MEET), (0.006, None)])
-def test_balls_side_by_side_meet_where_no_depth_comes_back_between_them(
-    gap: float, reason: str | None
-) -> None:
+def test_balls_side_by_side_meet_where_no_depth_comes_back_between_them(gap, reason):
     round_ = trimesh.creation.icosphere(3, 0.04).vertices
     with World() as world:
         world.add_table()

@@ -18,7 +18,7 @@ LABEL[30:40, 10:20] = 2
 
 
 @given(st.integers(0, 63), st.integers(0, 47), st.floats(0.1, 5.0))
-def test_a_lifted_pixel_projects_back_onto_itself(column: int, row: int, depth: float) -> None:
+def test_a_lifted_pixel_projects_back_onto_itself(column, row, depth):
     distances = np.zeros((48, 64))
     distances[row, column] = depth
     points = DepthImage(distances, K, LABEL).points()
@@ -30,7 +30,7 @@ def test_a_lifted_pixel_projects_back_onto_itself(column: int, row: int, depth: 
     assert points[row, column, 2] == pytest.approx(depth, abs=1e-9)
 
 
-def test_clouds_are_the_labelled_pixels_in_the_world() -> None:
+def test_clouds_are_the_labelled_pixels_in_the_world():
     pose = np.eye(4)
     pose[:3, 3] = [1, 2, 3]
     image = DepthImage(DEPTH, K, LABEL, pose, {2: "mug"})  # type: ignore[arg-type]
@@ -43,7 +43,7 @@ def test_clouds_are_the_labelled_pixels_in_the_world() -> None:
 
 
 @pytest.mark.parametrize("nothing", [0.0, np.nan, np.inf])
-def test_zero_nan_and_infinity_are_no_depth(nothing: float) -> None:
+def test_zero_nan_and_infinity_are_no_depth(nothing):
     depth = DEPTH.copy()
     depth[10:20, 10:20] = nothing
     image = DepthImage(depth, K, LABEL)  # type: ignore[arg-type]
@@ -70,7 +70,7 @@ def _matrix(row: int, column: int, value: float) -> np.ndarray:
         (_matrix(1, 0, 3), "lower triangle"),
     ],
 )
-def test_a_matrix_that_is_not_intrinsic_is_refused(matrix: np.ndarray, words: str) -> None:
+def test_a_matrix_that_is_not_intrinsic_is_refused(matrix, words):
     with pytest.raises(InvalidInput, match=f"^K .*{words}"):
         DepthImage(DEPTH, matrix, LABEL)  # type: ignore[arg-type]
 
@@ -87,26 +87,26 @@ def test_a_matrix_that_is_not_intrinsic_is_refused(matrix: np.ndarray, words: st
         (DEPTH, LABEL[..., None], "mask has shape"),
     ],
 )
-def test_depth_and_mask_have_to_fit(depth: np.ndarray, label: np.ndarray, words: str) -> None:
+def test_depth_and_mask_have_to_fit(depth, label, words):
     with pytest.raises(InvalidInput, match=words):
         DepthImage(depth, K, label)
 
 
-def test_colours_have_to_fit_and_names_to_differ() -> None:
+def test_colours_have_to_fit_and_names_to_differ():
     with pytest.raises(InvalidInput, match="rgb"):
         DepthImage(DEPTH, K, LABEL, rgb=np.zeros((48, 64), dtype=np.uint8))
     with pytest.raises(InvalidInput, match="share a name"):
         DepthImage(DEPTH, K, LABEL, names={2: "mug", 4: "mug"})
 
 
-def test_an_image_travels_between_processes() -> None:
+def test_an_image_travels_between_processes():
     image = DepthImage(DEPTH, K, LABEL, names={2: "mug"}, rgb=np.zeros((48, 64, 3), dtype=np.uint8))
     back = pickle.loads(pickle.dumps(image))
     assert back.names == {2: "mug"}
     assert np.array_equal(back.label, LABEL)
 
 
-def test_a_place_is_in_view_within_the_edges_of_the_picture_and_ahead() -> None:
+def test_a_place_is_in_view_within_the_edges_of_the_picture_and_ahead():
     image = DepthImage(DEPTH, K, LABEL)
     corner = image.points()[0, 0]
     beyond = corner + np.array([-0.01, 0.0, 0.0])
@@ -115,7 +115,7 @@ def test_a_place_is_in_view_within_the_edges_of_the_picture_and_ahead() -> None:
     assert image.in_view(places).tolist() == [True, True, False, False, True]
 
 
-def test_a_pixel_without_depth_shows_what_those_beside_it_show_and_no_more() -> None:
+def test_a_pixel_without_depth_shows_what_those_beside_it_show_and_no_more():
     depth = np.full((40, 60), 1.0)
     depth[20, 30] = 0.0  # one is lost
     depth[5:10, 5:10] = 0.0

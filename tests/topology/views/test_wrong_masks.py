@@ -1,7 +1,6 @@
 """Masks wrong in kind, as rendered cameras see them: each is said, and true masks are not."""
 
 import pickle
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -74,7 +73,7 @@ def scene(*images: DepthImage) -> Scene:
     return Scene.from_images(images, fixed=["table"])
 
 
-def test_true_masks_are_silent(images: list[DepthImage]) -> None:
+def test_true_masks_are_silent(images):
     assert scene(*images).wrong_masks == ()
 
 
@@ -86,19 +85,13 @@ def test_true_masks_are_silent(images: list[DepthImage]) -> None:
         (level, 0, ("ghost",), "level with what carries it"),
     ],
 )
-def test_each_kind_is_said_once(
-    images: list[DepthImage],
-    spoil: Callable[[DepthImage], DepthImage],
-    eye: int,
-    names: tuple[str, ...],
-    words: str,
-) -> None:
+def test_each_kind_is_said_once(images, spoil, eye, names, words):
     found = scene(spoil(images[eye]))
     assert [wrong.names for wrong in found.wrong_masks] == [names]
     assert [words in text for text in found.assumptions].count(True) == 1
 
 
-def test_one_object_under_two_names_is_said(images: list[DepthImage]) -> None:
+def test_one_object_under_two_names_is_said(images):
     one, other = images
     names = {k: "tin" if name == "can" else name for k, name in other.names.items()}
     found = scene(one, replace(other, names=names))
@@ -129,11 +122,11 @@ HOLLOW = {
 
 
 @pytest.mark.parametrize("bodies", HOLLOW.values(), ids=HOLLOW)
-def test_true_masks_of_what_is_hollow_are_silent(bodies: dict[Body, FloatArray]) -> None:
+def test_true_masks_of_what_is_hollow_are_silent(bodies):
     assert scene(seen(bodies)).wrong_masks == ()
 
 
-def test_boxes_flush_side_by_side_are_said_at_most_and_never_refused() -> None:
+def test_boxes_flush_side_by_side_are_said_at_most_and_never_refused():
     bodies = {shapes.box(name, (0.08, 0.08, 0.08)): pose_at(0, y, 0) for name, y in (("a", 0), ("b", 0.08))}
     found = scene(seen(bodies))
     assert {wrong.fault for wrong in found.wrong_masks} <= {MaskFault.SPLIT}
@@ -141,12 +134,12 @@ def test_boxes_flush_side_by_side_are_said_at_most_and_never_refused() -> None:
     assert order(found, "a").order == ("a",)
 
 
-def test_masks_of_what_never_moves_are_not_asked_about(images: list[DepthImage]) -> None:
+def test_masks_of_what_never_moves_are_not_asked_about(images):
     found = Scene.from_images([split(images[0])], fixed=["table", "can", "part"])
     assert found.wrong_masks == ()
 
 
-def test_labels_of_any_size_are_names(images: list[DepthImage]) -> None:
+def test_labels_of_any_size_are_names(images):
     ghost = level(images[0])
     large = replace(ghost, label=np.where(ghost.label == 90, 2**62, ghost.label), names={
         **{k: name for k, name in ghost.names.items() if k != 90}, 2**62: "ghost"
@@ -154,7 +147,7 @@ def test_labels_of_any_size_are_names(images: list[DepthImage]) -> None:
     assert [wrong.names for wrong in scene(large).wrong_masks] == [("ghost",)]
 
 
-def test_larger_pictures_tell_the_same(images: list[DepthImage]) -> None:
+def test_larger_pictures_tell_the_same(images):
     small = level(images[0])
     scale = np.diag([2.0, 2.0, 1.0])
     depth, label = (each.repeat(2, axis=0).repeat(2, axis=1) for each in (small.depth, small.label))
@@ -162,7 +155,7 @@ def test_larger_pictures_tell_the_same(images: list[DepthImage]) -> None:
     assert scene(large).wrong_masks == scene(small).wrong_masks != ()
 
 
-def test_a_target_that_hangs_on_a_mask_on_nothing_is_refused(images: list[DepthImage]) -> None:
+def test_a_target_that_hangs_on_a_mask_on_nothing_is_refused(images):
     found = scene(level(images[0]))
     with pytest.raises(InvalidInput, match=r"'ghost' is level.*--masks-as-they-are"):
         order(found, "ghost")
@@ -170,7 +163,7 @@ def test_a_target_that_hangs_on_a_mask_on_nothing_is_refused(images: list[DepthI
     assert "ghost" in order(found).order
 
 
-def test_masks_as_they_are_are_said_and_not_refused(images: list[DepthImage]) -> None:
+def test_masks_as_they_are_are_said_and_not_refused(images):
     found = scene(level(images[0])).with_masks_as_they_are()
     assert order(found, "ghost").order == ("ghost",)
     assert [wrong.names for wrong in pickle.loads(pickle.dumps(found)).wrong_masks] == [("ghost",)]
@@ -178,9 +171,7 @@ def test_masks_as_they_are_are_said_and_not_refused(images: list[DepthImage]) ->
 
 
 @pytest.mark.parametrize("spoil", [split, merged])
-def test_what_true_masks_may_look_like_is_said_and_never_refused(
-    images: list[DepthImage], spoil: Callable[[DepthImage], DepthImage]
-) -> None:
+def test_what_true_masks_may_look_like_is_said_and_never_refused(images, spoil):
     found = scene(spoil(images[0]))
     assert found.wrong_masks
     for name in found.movable:
@@ -191,7 +182,7 @@ def page(found: Scene) -> str:
     return show_page(found, relate(found))
 
 
-def test_a_page_marks_wrong_masks_in_the_picture(images: list[DepthImage]) -> None:
+def test_a_page_marks_wrong_masks_in_the_picture(images):
     ghost = level(images[0])
     drawn = replace(ghost, rgb=np.full((*ghost.label.shape, 3), 128, dtype=np.uint8))
     assert "Wide outline: the mask of &#x27;ghost&#x27; is level" in page(scene(drawn))
