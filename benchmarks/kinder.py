@@ -39,7 +39,7 @@ from topple.robots.poses import pose_from
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, ToppleError
 from topple.topology.bodies.solids import moved
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sampled_with_normals
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -150,7 +150,7 @@ def planned(
         parts["rack"] = parts["rack"][1:]  # its floor is as high as what the parts begin on
         top = min(corners[:, 2].min() for key in parts if key.startswith("part") for corners in parts[key])
     parts["table"][0][:, 2] = np.where(parts["table"][0][:, 2] < 0.0, top - DEEP, top)
-    clouds = {key: sampled(some, SPACING) for key, some in parts.items()}
+    clouds = {key: seen(some, key in episode["fixed"]) for key, some in parts.items()}
     now = Situation(Scene(clouds, fixed=episode["fixed"], up=(0, 0, 1), robot_base=base))
     grasps = {key: open_wide(key, now.scene, arm) for key in now.scene.movable}
     options: dict[str, Any] = {"robot": arm, "q_start": np.array(start), "grasps": grasps}
@@ -167,6 +167,12 @@ def planned(
         options["q_start"] = pieces(made)[-1][2][-1]
     goal = Arrangement(now.moved(("target_block",), pose))
     return [*made, plan(now.scene, ArrangementTask(goal), **options)]
+
+
+def seen(parts: Sequence[FloatArray], fixed: bool) -> FloatArray:
+    """Points (N, 3) of an object's whole surface; of what is fixed without undersides, as cameras have it."""
+    points, normals = sampled_with_normals(parts, SPACING)
+    return points[normals[:, 2] > -0.5] if fixed else points
 
 
 def lowered(placed: PlacementData) -> FloatArray:
