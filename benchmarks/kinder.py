@@ -28,6 +28,7 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_structs import PlacementData
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.placement.resting import about
 from topple.planner.planning.plan import plan
 from topple.planner.planning.plan_format import Plan
 from topple.planner.rearranging.arrangement import Arrangement
@@ -39,6 +40,7 @@ from topple.robots.poses import pose_from
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, ToppleError
 from topple.topology.bodies.solids import moved
+from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled_with_normals
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -52,14 +54,14 @@ SPACING = 0.003
 DEEP = 0.03
 """[m] of the table below its top; the rest of it is out of reach."""
 
-ROOM = 0.004
-"""[m] between parts in the rack, and to its walls: twice what a plan's placement may be off."""
+ROOM = 0.01
+"""[m] between parts in the rack, and to its walls: two cells of the heights that a part is lowered onto."""
 
 BESIDE = 0.02
 """[m] that what lies on the region is to be off the block's place: a finger."""
 
-HEADINGS, TRIES = 8, 20_000
-"""Of a part in the rack, and how often places are drawn."""
+HEADINGS, TRIES, AGAIN = 8, 20_000, 0.02
+"""Of a part in the rack, how often places are drawn, and the share of failures after which all are anew."""
 
 THINNED = 0.05
 """[rad] that a joint turns by between the states that are sent."""
@@ -199,30 +201,31 @@ def centred(parts: Mapping[str, Sequence[FloatArray]]) -> FloatArray:
 
 
 def packed(parts: Mapping[str, Sequence[FloatArray]], now: Situation) -> Situation:
-    """The parts in the rack, at the first places drawn at which they have room."""
+    """The parts in the rack, at the first places drawn at which their plates have room.
+
+    Raises:
+        NoSafePlan: None were found.
+    """
     rng, walls = np.random.default_rng(0), np.vstack(parts["rack"])
-    middle, there = (walls.min(axis=0) + walls.max(axis=0)) / 2.0, dict[str, FloatArray]()
-    names = [name for name in parts if name.startswith("part")]
+    thick = min(float(np.ptp(wall[:, 0])) for wall in parts["rack"]) + ROOM
+    lower, upper = walls.min(axis=0)[:2] + thick, walls.max(axis=0)[:2] - thick
+    names, there = [name for name in parts if name.startswith("part")], dict[str, FloatArray]()
     for _ in range(TRIES):
         name = names[len(there)]
-        turn = 2.0 * np.pi * rng.integers(HEADINGS) / HEADINGS
         pose = np.eye(4)
-        pose[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
-        half = (walls.max(axis=0) - middle)[:2]
-        spot = middle[:2] + rng.uniform(-half, half)
-        pose[:2, 3] = spot - (pose[:3, :3] @ parts[name][1].mean(axis=0))[:2]
-        others = [part for other, place in there.items() for part in moved(parts[other], place)]
-        if apart(moved(parts[name], pose), [*parts["rack"], *others], ROOM):
+        pose[:3, :3] = about(now.up, 2.0 * np.pi * rng.integers(HEADINGS) / HEADINGS)
+        turned = transformed(parts[name][0], pose)[:, :2]
+        pose[:2, 3] = rng.uniform(lower, upper - np.ptp(turned, axis=0)) - turned.min(axis=0)
+        plate = moved(parts[name][:1], pose)
+        if all(apart(plate, moved(parts[other][:1], there[other]), ROOM) for other in there):
             there[name] = pose
-        elif rng.random() < 1e-3:
+        elif rng.random() < AGAIN:
             there.clear()
         if len(there) == len(names):
-            break
-    else:
-        raise NoSafePlan("no places in the rack were found", tuple(names))
-    for name, pose in there.items():
-        now = now.moved((name,), pose)
-    return now
+            for key, place in there.items():
+                now = now.moved((key,), place)
+            return now
+    raise NoSafePlan("no places in the rack were found", tuple(names))
 
 
 def pieces(made: Sequence[Plan]) -> list[tuple[str, float, list[list[float]]]]:
