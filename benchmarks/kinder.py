@@ -49,7 +49,7 @@ OBSTRUCTION, PACKING = "Obstruction3D-o4", "Packing3D-p3"
 SEEDS, QUICK = 50, 2
 
 SPACING = 0.003
-"""[m] of the points on an object."""
+"""[m] of the points on an object; on what is fixed they are twice as far apart."""
 
 DEEP = 0.03
 """[m] of the table below its top; the rest of it is out of reach."""
@@ -173,7 +173,7 @@ def planned(
 
 def seen(parts: Sequence[FloatArray], fixed: bool) -> FloatArray:
     """Points (N, 3) of an object's whole surface; of what is fixed without undersides, as cameras have it."""
-    points, normals = sampled_with_normals(parts, SPACING)
+    points, normals = sampled_with_normals(parts, 2.0 * SPACING if fixed else SPACING)
     return points[normals[:, 2] > -0.5] if fixed else points
 
 

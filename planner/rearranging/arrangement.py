@@ -112,8 +112,7 @@ class Arrangement:
             size, other = (np.ptp(each, axis=0) for each in (transformed(clouds[0], found.pose), clouds[1]))
             longer = float(np.abs(size - other).max()) if whole else 0.0
             if max(longer - SIZES, found.residual - OTHER) > 0.0:
-                lengths = (sizes(each) for each in clouds)
-                here, there = (" x ".join(f"{1e3 * length:.0f}" for length in each) for each in lengths)
+                here, there = (" x ".join(f"{1e3 * each:.0f}" for each in sizes(cloud)) for cloud in clouds)
                 raise InvalidInput(
                     f"{name} has another shape in the goal: {there} mm, and {here} mm at the start; "
                     "expected the same thing under the same name"
