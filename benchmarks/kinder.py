@@ -2,7 +2,8 @@
 
 A Gen3 with a 2F-85 puts a block on a region where four others lie, and three parts with pegs into a rack. Its
 engine moves what the hand holds, undoes a motion that touches anything, and takes hold of the one object that
-is where the pads meet, with a hand that comes in wide open; so do the grasps here. A plan has one try.
+is where the pads meet, with a hand that comes in wide open; so do the grasps here. A plan has one try. Where
+the parts go in the rack is drawn here; where the blocks that bar the region go is left to the plan.
 
     python3.11 -m venv .peers/kinder
     .peers/kinder/bin/pip install kindergarden
