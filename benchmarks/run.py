@@ -59,6 +59,7 @@ def rows(
     meshes: Path | None = None,
     ahead: bool = False,
     against: str | None = None,
+    scenario: str | None = None,
     executor: Executor | None = None,
 ) -> list[dict[str, Any]]:
     """Play what is not in the journal yet, and count.
@@ -74,10 +75,14 @@ def rows(
         meshes: A folder with models that the piles of another generator are made of, besides its own shapes.
         ahead: Whether the next step is chosen while the arm acts, in series that are no frames.
         against: Another journal, of which the same seeds are compared with.
+        scenario: The name of one whose series are played alone.
         executor: Whose workers play, and see the same folders; None for a process a core.
 
     Returns:
         The bench's rows.
+
+    Raises:
+        InvalidInput: No series is of that scenario.
     """
     main, beside = (QUICK, ()) if quick else (FULL, BESIDE)
     if data is not None:
@@ -86,11 +91,15 @@ def rows(
         beside = (*beside, Series("real frames", len(kept), bar=">= 70", folder=data, frames=kept))
     main, beside = (
         tuple(
-            replace(one, ahead=ahead, meshes=meshes if one.scenario == OTHER_PILE else None) for one in some
+            replace(one, ahead=ahead, meshes=meshes if one.scenario == OTHER_PILE else None)
+            for one in some
+            if scenario in (None, one.scenario)
         )
         for some in (main, beside)
     )
-    series = (*main, *beside)
+    if not (series := (*main, *beside)):
+        named = sorted({one.scenario for one in (*FULL, *BESIDE)})
+        raise InvalidInput(f"no series is of {scenario!r}: expected one of {', '.join(named)}")
     turns = (in_turn([one.episodes(seed) for one in some]) for some in (main, beside) if some)
     wanted = list(chain.from_iterable(turns))
     known = collected(wanted, progress, journal, minutes, executor)

@@ -78,6 +78,7 @@ FULL = (
     Series("pile", 100, cameras=1, bar=">= 70"),
     Series("pile", 100, cameras=1, bar=">= 85", wrist_camera=True),
     Series(OTHER_PILE, 100, bar=">= 80"),
+    Series("shelf", 60, bar=">= 85"),
 )
 BESIDE = (
     Series("pile", 100, rule=IDEAL),

@@ -33,6 +33,7 @@ _WITH_VALUES = (
         "COMMIT",
         "truth, speed: compare with a commit of the checkout; run: JOURNAL, with its seeds",
     ),
+    ("--scenario", "NAME", "run: the series of one scenario alone"),
     ("--meshes", "DIR", "run: models that piles of another generator are made of"),
     ("--models", "DIR", "paper: YCB models, as 011_banana (procedural)"),
     ("--scenes", "DIR", "paper: write its scenes there, for other commands"),

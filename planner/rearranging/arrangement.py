@@ -18,6 +18,7 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import up_of
+from topple.topology.geometry.rigid import transformed
 from topple.topology.io.load import AnyScene
 from topple.topology.scene.frame import in_frame
 from topple.topology.situation.situation import Situation
@@ -106,10 +107,12 @@ class Arrangement:
         check_possible(goal)
         whole = start.statics.sight is None and goal.statics.sight is None
         for name in start.movable:
-            size, other = (sizes(each.scene.clouds[name]) for each in (start, goal))
+            found, clouds = self.fit(name, start), [each.scene.clouds[name] for each in (start, goal)]
+            # along the axes of the frame: those of a square are any, and its diagonal is no edge
+            size, other = (np.ptp(each, axis=0) for each in (transformed(clouds[0], found.pose), clouds[1]))
             longer = float(np.abs(size - other).max()) if whole else 0.0
-            if max(longer - SIZES, self.fit(name, start).residual - OTHER) > 0.0:
-                here, there = (" x ".join(f"{1e3 * length:.0f}" for length in each) for each in (size, other))
+            if max(longer - SIZES, found.residual - OTHER) > 0.0:
+                here, there = (" x ".join(f"{1e3 * each:.0f}" for each in sizes(cloud)) for cloud in clouds)
                 raise InvalidInput(
                     f"{name} has another shape in the goal: {there} mm, and {here} mm at the start; "
                     "expected the same thing under the same name"

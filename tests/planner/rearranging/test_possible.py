@@ -1,11 +1,14 @@
 """Goals that no bodies can have are refused, with what is wrong where."""
 
+import numpy as np
 import pytest
 from on_table import on_table
 
 from topple.planner import rearrange
+from topple.planner.placement.resting import about
 from topple.robots.shapes import bowl, box, can, lemon
 from topple.topology import InvalidInput, Scene
+from topple.topology.geometry.samples import sampled
 
 CUBE = (0.05, 0.05, 0.05)
 
@@ -34,6 +37,13 @@ def test_a_thing_of_the_same_name_and_another_shape_is_refused():
     other = on_table((box("a", CUBE), (0.0, 0.2, 0.0)), (can("b", diameter=0.03, height=0.15), (0.15, 0, 0)))
     with pytest.raises(InvalidInput, match=r"b has another shape in the goal: \d+ x \d+ x \d+ mm"):
         rearrange(START, other)
+
+
+def test_a_square_turned_by_an_eighth_keeps_its_shape() -> None:
+    plate = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (0.0, 0.02)])
+    start = on_table((box("a", CUBE), (0.2, 0.0, 0.0))).with_cloud("b", sampled([plate], 0.004))
+    turned = start.with_cloud("b", start.clouds["b"] @ about(np.array([0, 0, 1]), np.pi / 4).T)
+    assert [move.object for move in rearrange(start, turned).moves] == ["b"]
 
 
 @pytest.mark.slow
