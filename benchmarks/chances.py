@@ -41,7 +41,7 @@ LOOKS = (
 )  # fmt: skip
 """Cameras, whether their pictures are known, and how masks are off: exact, and as segmentations give them."""
 
-FOR = (1, 1, 1, 1, -1, 1, 1, 1, -1, 1, 1)
+FOR = (1, 1, 1, 1, -1, 1, 1, 1, -1, 1, 1, 1)
 """Whether each sign but "always" speaks for a dependency or against: by chance none may do the contrary."""
 
 Counted = tuple[FloatArray, FloatArray]
@@ -72,6 +72,8 @@ def given(scene: PoolScene, cameras: int, pictures: bool, masks: str = "") -> Sc
 def counted(scene: PoolScene, *look: Any) -> Counted:
     """Signs and labels of a scene's pairs in one view; none where topple refuses it.
 
+    With masks that are off no face counts as tilted: there it costs needless removals, 7 of 54 for 5.
+
     Args:
         scene: Of the pool.
         *look: As `given` takes it.
@@ -85,7 +87,7 @@ def counted(scene: PoolScene, *look: Any) -> Counted:
         return np.empty((0, len(SIGNS))), np.empty(0)
     labels = [scene.labels.get(then, {}).get(first) for first, then in asked]
     told = [number for number, label in enumerate(labels) if label is not None]
-    found = signs(asked)
+    found = signs(asked) * np.append(np.ones(len(SIGNS) - 1), not look[-1])  # tilted; the masks
     return found[told], np.array([labels[number] for number in told], dtype=float)
 
 

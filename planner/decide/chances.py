@@ -27,13 +27,14 @@ from topple.topology.views.tolerances import OFF_BORDERS
 
 SIGNS = (
     "always", "meets", "falls", "hangs over", "seen over", "hung over", "unheld", "upward", "hooked", "depth",
-    "bottom", "top"
+    "bottom", "top", "tilted"
 )  # fmt: skip
 """What is weighed of a pair: 1; what the two questions say; the logarithms of the areas in plan by which the
 one hangs over the other, with hidden sides and as seen, and by which the other hangs over it, in cm² and one
 more; the share of its weight that nothing carries without the other; how much the contact's normal points
 upward, and that times the logarithm of the area by which the other is seen to hang over it; by how many
-times 2 cm they lie in each other, up to 1.5; by how many times 5 cm bottom and top are higher, up to 2."""
+times 2 cm they lie in each other, up to 1.5; by how many times 5 cm bottom and top are higher, up to 2; how
+much of it was seen in a face that is neither level nor upright."""
 
 
 def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
@@ -52,7 +53,7 @@ def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
         higher = np.clip(np.array(each.ahead) / 0.05, -2.0, 2.0)
         rows.append(
             (1.0, each.meets, each.falls, _area(each.over), _area(each.seen), over, each.unheld, upward,
-             upward * seen, min(each.depth / 0.02, 1.5), *higher)
+             upward * seen, min(each.depth / 0.02, 1.5), *higher, each.tilted)
         )  # fmt: skip
     return np.array(rows, dtype=float).reshape(-1, len(SIGNS))
 

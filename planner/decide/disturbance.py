@@ -12,6 +12,7 @@ from topple.planner.decide.tolerances import BOARD, CARRIES, PRESSED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.base.arrays import FloatArray, bounds
 from topple.topology.geometry.broadphase import near_both_ways
+from topple.topology.geometry.plane import tilted_share
 from topple.topology.situation.situation import Situation
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap, overlap
@@ -35,6 +36,8 @@ class Disturbance:
         up: Upward part of the mean contact normal from `then` into `first`; None where they do not touch.
         depth: How deep [m] their completed surfaces lie in each other, of those that hang over each other.
         ahead: By how much [m] the near and the far end of `first` are further along the way out of `then`.
+        tilted: How much of `first` was seen in one face that is neither level nor upright, 0..1: what stands
+            so leans on something.
     """
 
     over: Overlap | None
@@ -43,6 +46,7 @@ class Disturbance:
     up: float | None
     depth: float
     ahead: tuple[float, float] = (0.0, 0.0)
+    tilted: float = 0.0
 
     @property
     def meets(self) -> bool:
@@ -78,6 +82,7 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
     outwards = {then: situation.outwards(then) for then in situation.movable}
     over, unheld = _overhangs(statics, outwards), _unheld_shares(statics)
     depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
+    tilted = {name: tilted_share(seen[name]) for name in situation.movable}
     place = {name: k for k, name in enumerate(situation.movable)}
     together = {pair for part in {*situation.islands.values()} for pair in permutations(part, 2)}
     found: dict[Pair, Disturbance] = {}
@@ -91,6 +96,7 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
             touching.get((then, first)),
             0.0 if hangs is None else depth.get(frozenset((first, then)), 0.0),
             (float(here.min() - there.min()), float(here.max() - there.max())),
+            tilted[first],
         )
     return found
 

@@ -262,9 +262,7 @@ def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> st
         return f"the fingers met something on their way to {name}."
     if segment.kind in WATCHED and not robot.holding:
         return f"{name} slipped out of the hand during the {segment.kind}."
-    if error > OFF_COURSE:
-        return f"the arm was held up during the {segment.kind}."
-    return None
+    return f"the arm was held up during the {segment.kind}." if error > OFF_COURSE else None
 
 
 def _resume(path: Trajectory, robot: Driver) -> float:

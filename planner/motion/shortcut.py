@@ -26,9 +26,7 @@ def shortcut(path: FloatArray, edges_free: EdgesFree, *, trusted: bool = True) -
         (j, n) waypoints, the ends unchanged, no longer than the path; None where its own edges are not free
         and there is no way around them.
     """
-    if len(path) <= 2 and trusted:
-        return path
-    return _shortest(_divide(path, POINTS), edges_free, trusted)
+    return path if len(path) <= 2 and trusted else _shortest(_divide(path, POINTS), edges_free, trusted)
 
 
 def length(path: FloatArray) -> float:

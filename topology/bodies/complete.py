@@ -292,9 +292,7 @@ def _believable(
     if sight is None or len(guess) == 0:
         return guess
     empty = sight.empty(guess)
-    if not partly and empty.mean() > refuted:
-        return guess[:0]
-    return guess[~empty]
+    return guess[:0] if not partly and empty.mean() > refuted else guess[~empty]
 
 
 def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:

@@ -110,6 +110,4 @@ def _circle(flat: FloatArray) -> tuple[FloatArray, float] | None:
     if radius > OPENED * chord:
         return None
     off = lengths(flat - centre) - radius
-    if float(np.sqrt(np.mean(off**2))) > ROUND * radius:
-        return None
-    return centre, radius
+    return None if float(np.sqrt(np.mean(off**2))) > ROUND * radius else (centre, radius)

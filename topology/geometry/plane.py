@@ -55,6 +55,20 @@ def fit_plane(
     return plane, share
 
 
+def tilted_share(points: FloatArray) -> float:
+    """How much of a body lies in one face that is neither level nor upright, as of what leans on another.
+
+    Args:
+        points: Cloud (N, 3) in [m], z up.
+
+    Returns:
+        The face's share of the points times how far its slope is from both, 1 at 45 degrees: 0..1.
+    """
+    plane, share = fit_plane(points[:: max(len(points) // (2 * DRAWS), 1)])  # which tell a share to 2 %
+    slope = float(np.arccos(min(abs(plane[2]), 1.0))) / (np.pi / 4)
+    return share * (1.0 - abs(slope - 1.0))
+
+
 def plane_through(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Middle (3,) [m] and unit normal (3,) of either sign of the plane nearest to points (N, 3)."""
     middles, normals, _ = patch_planes(points[None])
