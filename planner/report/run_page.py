@@ -195,13 +195,13 @@ def _facts(step: StepRecord) -> str:
     if step.robot_seconds is not None:
         facts.append(("the arm moved for", f"{step.robot_seconds:.1f} s (simulated)"))
     if step.slip is not None:
-        facts.append(("slip in the hand", _way(*step.slip, ", ")))
+        facts.append(("slip in the hand", _shift(*step.slip, ", ")))
     return (
         f'<div class="facts">{"".join(f"<div><span>{name}</span>{fact}</div>" for name, fact in facts)}</div>'
     )
 
 
-def _way(far: float, turn: float, between: str) -> str:
+def _shift(far: float, turn: float, between: str) -> str:
     return f"{millimetres(far)}{between}{math.degrees(turn):.1f}°"
 
 
@@ -209,11 +209,11 @@ def _disturbance_words(step: StepRecord) -> str:
     """What moved or was hit and was not meant to, farthest first."""
     if not (names := _disturbed_by(step)):
         far, turn = (max((each[k] for each in step.disturbed.values()), default=0.0) for k in (0, 1))
-        return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_way(far, turn, ' and ')} at most.</p>"
+        return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_shift(far, turn, ' and ')} at most.</p>"
     fell = {name: f"{millimetres(drop)}, {energy:.2f} J" for name, (drop, energy) in step.severity.items()}
     rows = "".join(
         f'<tr class="bad"><td>{escape(name)}</td><td class=number>'
-        f"{_way(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
+        f"{_shift(*step.disturbed.get(name, (0.0, 0.0)), '</td><td class=number>')}</td>"
         f"<td class=number>{f'{step.forces[name]:.1f} N' if name in step.forces else ''}</td>"
         f"<td class=number>{f'{step.impulses[name]:.2f} N s' if name in step.impulses else ''}</td>"
         f"<td class=number>{fell.get(name, '')}</td></tr>"

@@ -13,7 +13,7 @@ from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.scene import Scene
 
-LONG = ("lemon", "set-table", "restack", "pack", "swap")  # the last four are set up twice, and alike
+LONG = ("lemon", "set-table", "restack", "swap")  # the last three are set up twice, as "pack" is
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def tilted_share(points: FloatArray) -> float:
     Returns:
         The face's share of the points times how far its slope is from both, 1 at 45 degrees: 0..1.
     """
-    plane, share = fit_plane(points[:: max(len(points) // (2 * DRAWS), 1)])  # which tell a share to 2 %
+    plane, share = fit_plane(points[:: max(len(points) // (2 * DRAWS), 1)])  # which tell a share to 3 %
     slope = float(np.arccos(min(abs(plane[2]), 1.0))) / (np.pi / 4)
     return share * (1.0 - abs(slope - 1.0))
 
