@@ -4,7 +4,8 @@ As N47IN/ClutterNav (no licence file: its numbers, none of its code) makes its r
 ten boxes a layer, each edge 5 to 10 cm, upright, 1 kg, anywhere within 15 cm of the middle along x and y,
 bottoms 12.5, 22.5 and 32.5 cm over a table, so that some begin in one another; 50 steps of a 240th of a
 second after each layer. Friction of a box is 0.5, of the table 1, and the engine multiplies them. The target
-is any of the boxes.
+is any of the boxes. They rest until nothing moves within four seconds, or a minute is over: what slides by
+itself would count against every removal.
 
 Three orders are made of the whole surfaces of the pile at rest and carried out by ideal lifts, straight up
 and rigid, each from the same start: topple's, the highest top first until the target's turn has come, and
@@ -13,6 +14,7 @@ the target at once. Counted are removals, and what a removal moves or turns by m
 lies on it.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,11 +28,12 @@ from topple.planner.simulate.lift import lift, move_between
 from topple.planner.simulate.lifts import set_friction
 from topple.robots.shapes import box
 from topple.robots.world.world import World
-from topple.topology.base.arrays import IntArray
+from topple.topology.base.arrays import FloatArray, IntArray
 
 SCENES, QUICK = 40, 4
 LAYERS, EACH, EDGES, APART, LOWEST, RISE = 3, 10, (0.05, 0.10), 0.15, 0.125, 0.10  # as above, in [m]
 STEPS = 50  # after each layer
+WAIT, WAITS, STILL = 960, 15, 0.1  # steps, how often, and the share of the limits that counts as moving
 FRICTIONS = 0.25, 0.5  # of two boxes, and of a box and the table
 HEIGHT, ONCE = "height first", "the target at once"
 
@@ -81,8 +84,15 @@ def make_pile(seed: int) -> tuple[Pile, str]:
                 world.add(box(f"box_{EACH * layer + k}", size, mass=1.0), pose)
             set_friction(world, *FRICTIONS)
             world.step(STEPS)
-        world.settle(4.0)
         pile = Pile.of(world)
+    for _ in range(WAITS):
+        with pile.world() as world:
+            set_friction(world, *FRICTIONS)
+            before = world.poses()
+            world.step(WAIT)
+            pile = Pile.of(world)
+            if all(share < STILL for share in _shares(world, before)):
+                break
     return pile, str(rng.choice([body.name for body in pile.bodies]))
 
 
@@ -106,5 +116,9 @@ def _take(world: World, name: str) -> int:
     lift(world, name)
     world.remove(name)
     world.settle()
-    moves = (move_between(world, other, before[other], pose) for other, pose in world.poses().items())
-    return sum(move.share > 1.0 for move in moves)
+    return sum(share > 1.0 for share in _shares(world, before))
+
+
+def _shares(world: World, before: Mapping[str, FloatArray]) -> list[float]:
+    """How far each has moved or turned, in shares of the limits."""
+    return [move_between(world, name, before[name], pose).share for name, pose in world.poses().items()]

@@ -23,6 +23,9 @@ CHECKS = (
 
 _LIBRARIES = (DISTRIBUTION, "numpy", "scipy", "pybullet", "python-fcl", "ompl")
 
+ALONE = ("part", "scenario")
+"""Options that measure one part of a bench alone: they name its table."""
+
 
 def bench(
     name: str, *, quick: bool = False, seed: int = 0, progress: Progress | None = None, **options: Any
@@ -43,12 +46,12 @@ def bench(
         InvalidInput: There is no such bench.
     """
     measured = _rows_of(name)(quick=quick, seed=seed, progress=progress or (lambda text: None), **options)
-    part = options.get("part")
+    alone = {key: options[key] for key in ALONE if options.get(key) is not None}
     return {
         "format": "topple.bench",
         "format_version": 1,
         "bench": name,
-        **({} if part is None else {"part": part}),
+        **alone,
         "quick": quick,
         "seed": seed,
         "machine": machine(),

@@ -4,7 +4,7 @@ Chamzas et al., "MotionBenchMaker" (RA-L 2022): shelves, boxes, a cage and table
 Panda, a UR5 and a Fetch. `--data DIR` is the unpacked archive of vamp-planner 0.6.4 (PyPI), which brings the
 arms' URDFs and meshes. A problem counts unless its start or goal touches something by the exact meshes,
 looked up with python-fcl where topple refuses the goal. Solved is what has a certificate all along.
-roboplan, where installed, is handed the same arms, goals and solids; what its paths touch is told apart.
+roboplan and VAMP, where installed, get the same goals and solids; what their paths touch is told apart.
 """
 
 import itertools
@@ -40,11 +40,11 @@ ROBOTS = ("panda", "ur5", "fetch")
 QUICK = 10
 """Of so many problems one, where it has to be quick."""
 
-PEERS = ("roboplan",)
+PEERS = ("roboplan", "vamp")
 """Run beside, where they are installed: see `topple.benchmarks.peers`."""
 
-BUDGET = 20.0
-"""[s] of a peer for one problem."""
+BUDGET = 5.0
+"""[s] of a peer for one problem: about what topple's slowest take."""
 
 LOOKED_AT = 0.01
 """[rad] between the states of a peer's path that are looked at."""

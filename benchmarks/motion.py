@@ -28,7 +28,7 @@ from topple.robots.catalog import robot
 from topple.topology.base.errors import InvalidInput
 
 FCL = "python-fcl, one state at a time"
-OMPL = "OMPL RRTConnect + python-fcl, one state at a time"
+OMPL = "OMPL + python-fcl"
 BUDGET = 20.0  # [s] for one problem, on every side
 LOOKED_AT = 0.002  # [rad] between the states of a path that are looked at again
 PLAIN_BARS = {
@@ -157,7 +157,7 @@ def planning(kind: str, problems: list[Problem], seed: int, progress: Progress) 
                     bars.get(name))
             )  # fmt: skip
     for name, other in theirs.items():
-        touching = f"{kind}: paths that touch something, looked at every {LOOKED_AT} rad"
+        touching = f"{kind}: paths that touch, every {LOOKED_AT} rad"
         found += [
             Row(f"{kind}: solved and certified", proven.solved, "%", name, other.solved, bar="100"),
             Row(touching, proven.touching, "%", name, other.touching, bar="0"),

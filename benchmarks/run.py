@@ -108,7 +108,8 @@ def rows(
     rows = [Row("episodes left to play", missing, f"of {len(wanted)}"), *figures(found)]
     asked = set(wanted)
     endings = [ending for episode, ending in known.items() if episode in asked]
-    rows += [*fallback_rows(endings), *endurance(endings)]
+    if scenario is None:
+        rows += [*fallback_rows(endings), *endurance(endings)]
     if against is not None:
         rows += paired_rows(found, _endings_in(Path(against), journal))
     return [row.to_json() for row in rows]

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.document import BENCHES, CHECKS, bench, options_of
+from topple.benchmarks.document import ALONE, BENCHES, CHECKS, bench, options_of
 from topple.benchmarks.markdown import markdown_table, replaced_table
 from topple.planner.cli.arguments import COMMON, add, add_jobs, count, from_zero
 from topple.planner.cli.console import complain, print_json, print_table, print_text
@@ -90,9 +90,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.page:
         if args.name is None:
             raise InvalidInput("--page takes the table of one bench: name it before --page FILE")
-        replaced_table(
-            _page(args.page), _table_name(args.name, args.part), []
-        )  # refused now, not after hours
+        replaced_table(_page(args.page), _title(args.name, vars(args)), [])  # refused now, not after hours
     code = DONE
     for name in names:
         options = _options(args, name)
@@ -103,7 +101,10 @@ def execute(args: argparse.Namespace) -> int:
             progress = stack.enter_context(Progress(f"bench {name}"))
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
         if args.page:
-            write_whole(args.page, replaced_table(_page(args.page), _title(document), markdown(document)))
+            write_whole(
+                args.page,
+                replaced_table(_page(args.page), _title(document["bench"], document), markdown(document)),
+            )
         if args.json:
             print_json(document)
         elif args.markdown:
@@ -115,13 +116,10 @@ def execute(args: argparse.Namespace) -> int:
     return code
 
 
-def _table_name(name: str, part: str | None) -> str:
+def _title(name: str, given: Mapping[str, Any]) -> str:
     """What the marks of a table name: the bench, and its part where that alone was measured."""
-    return name if part is None or "part" not in options_of(name) else f"{name} --part {part}"
-
-
-def _title(document: Mapping[str, Any]) -> str:
-    return _table_name(document["bench"], document.get("part"))
+    parts = [key for key in ALONE if key in options_of(name) and given.get(key) is not None]
+    return " ".join([name, *(f"--{key} {given[key]}" for key in parts)])
 
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
@@ -160,7 +158,8 @@ def markdown(document: Mapping[str, Any]) -> list[str]:
         The lines; columns that no row fills are left out.
     """
     machine, size = document["machine"], "--quick, " if document["quick"] else ""
-    said = f"`topple bench {_title(document)}`: {size}seed {document['seed']}, {machine['processor']}"
+    title = _title(document["bench"], document)
+    said = f"`topple bench {title}`: {size}seed {document['seed']}, {machine['processor']}"
     lines: list[str] = []
     for headings, cells, right in _tables(document["rows"]):
         lines += [*markdown_table([heading or "bar held" for heading in headings], cells, right), ""]
@@ -206,10 +205,10 @@ def _side_by_side(rows: Sequence[Mapping[str, Any]]) -> Table:
 
 def _print(document: Mapping[str, Any]) -> None:
     rows: Sequence[Mapping[str, Any]] = document["rows"]
-    machine = document["machine"]
+    machine, title = document["machine"], _title(document["bench"], document)
     size = "quick" if document["quick"] else "full"
     print_text(
-        f"topple bench {_title(document)}, {size}, seed {document['seed']}: "
+        f"topple bench {title}, {size}, seed {document['seed']}: "
         f"{machine['processor']}, {machine['cores']} cores"
     )
     headings, cells, right = _listed(rows)  # a line each: many columns have no room in a terminal

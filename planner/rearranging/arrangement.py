@@ -9,7 +9,7 @@ import numpy as np
 from topple.planner.building.build import BuildOrder, build_order
 from topple.planner.building.standing import falling_in
 from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
-from topple.planner.rearranging.matching import Match, matched, sizes
+from topple.planner.rearranging.matching import Match, matched
 from topple.planner.rearranging.possible import check_possible
 from topple.planner.rearranging.registration import Registration, least, registered, remaining
 from topple.planner.rearranging.steady import steadied
@@ -112,7 +112,7 @@ class Arrangement:
             size, other = (np.ptp(each, axis=0) for each in (transformed(clouds[0], found.pose), clouds[1]))
             longer = float(np.abs(size - other).max()) if whole else 0.0
             if max(longer - SIZES, found.residual - OTHER) > 0.0:
-                here, there = (" x ".join(f"{1e3 * each:.0f}" for each in sizes(cloud)) for cloud in clouds)
+                here, there = (" x ".join(f"{1e3 * each:.0f}" for each in edges) for edges in (size, other))
                 raise InvalidInput(
                     f"{name} has another shape in the goal: {there} mm, and {here} mm at the start; "
                     "expected the same thing under the same name"

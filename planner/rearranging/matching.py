@@ -59,7 +59,7 @@ def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Mat
     residuals = costs.copy()
     for i, name in enumerate(here):
         for j, other in enumerate(there):
-            if np.abs(sizes(start.clouds[name]) - sizes(goal.clouds[other])).max() < SIZES:
+            if np.abs(_edges(start.clouds[name]) - _edges(goal.clouds[other])).max() < SIZES:
                 fit = registered(start.clouds[name], goal.clouds[other], up)
                 residuals[i, j], costs[i, j] = fit.residual, fit.residual + NEARER * fit.way
     rows, columns = linear_sum_assignment(np.minimum(costs, 1.0))
@@ -72,10 +72,9 @@ def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Mat
     return _rename(goal, {match.goal: match.object for match in found}), tuple(found)
 
 
-def sizes(cloud: FloatArray) -> FloatArray:
-    """(3,) extents of a cloud along its principal axes, longest first [m]."""
-    centred = cloud - cloud.mean(axis=0)
-    return np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0)
+def _edges(cloud: FloatArray) -> FloatArray:
+    """(3,) edges of the solid block that spreads as a cloud does, shortest first [m]; however it is turned."""
+    return np.sqrt(12 * np.linalg.eigvalsh(np.cov(cloud.T)).clip(0))
 
 
 def _rename(scene: Scene, names: Mapping[str, str]) -> Scene:

@@ -37,7 +37,7 @@ def test_rows_are_complete_and_no_certified_path_touches(monkeypatch):
     json.dumps([row.to_json() for row in rows])
     by_name = {row.what: row for row in rows}
     assert by_name["transfer: solved and certified"].value == 100
-    assert by_name["transfer: paths that touch something, looked at every 0.002 rad"].value == 0
+    assert by_name["transfer: paths that touch, every 0.002 rad"].value == 0
     assert by_name["transfer: plan and shortcut, median"].bar == ">= 10x"
     assert said
 
