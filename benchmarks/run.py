@@ -260,7 +260,7 @@ def fallback_rows(endings: Sequence[Ending]) -> list[Row]:
     held = Counter(name for ending in endings for name, succeeded in ending.fallbacks if succeeded)
     rows: list[Row] = []
     for name in Relaxation:
-        rows.append(Row(f"steps that stand on the fallback {name}, of {steps}", stood[name], ""))
+        rows.append(Row(f"steps by {name}, of {steps}", stood[name], ""))
         if stood[name]:
             rows.append(share(f"of these succeeded: {name}", held[name], stood[name]))
     return rows
@@ -315,7 +315,7 @@ def _of_series(one: Series, endings: Sequence[Ending]) -> list[Row]:
         rows.append(Row(f"waiting for a decision, median: {one}", median(waited), "s"))
         rows.append(Row(f"the same, of 90 %: {one}", float(np.quantile(waited, 0.9)), "s"))
     robot = median(ending.robot_seconds for ending in endings)
-    rows.append(Row(f"time of the simulated arm, median: {one}", robot, "s"))
+    rows.append(Row(f"time of the arm, median: {one}", robot, "s"))
     ways = Counter(ending.ending for ending in endings if not ending.success)
     return rows + [Row(f"{how}: {played}", count, "episodes") for how, count in sorted(ways.items())]
 

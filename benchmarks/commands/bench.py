@@ -25,7 +25,8 @@ _WITH_VALUES = (
     (
         "--data",
         "DIR",
-        "relate, order, run, rearrange, towers, libero, assemblies, cans, mbm, speed, truth: a folder's data",
+        "relate, order, run, rearrange, towers, libero, assemblies, cans, demonstrated, mbm, speed, truth: a "
+        "folder's data",
     ),
     ("--piles", "DIR", "order: score recorded piles of a folder; truth: those too, beside --data"),
     (

@@ -73,7 +73,7 @@ def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Mat
 
 
 def _edges(cloud: FloatArray) -> FloatArray:
-    """(3,) edges of the solid block that spreads as a cloud does, shortest first [m]; however it is turned."""
+    """(3,) edges of a solid block that spreads as a cloud does, shortest first [m], however turned."""
     return np.sqrt(12 * np.linalg.eigvalsh(np.cov(cloud.T)).clip(0))
 
 

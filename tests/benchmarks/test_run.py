@@ -284,8 +284,8 @@ def test_fallbacks_are_counted_with_what_came_of_them():
     ]
     assert Ending.from_json(endings[0].to_json()) == endings[0]
     found = {row.what: row.value for row in fallback_rows(endings)}
-    assert found["steps that stand on the fallback narrow, of 4"] == 2
-    assert found["steps that stand on the fallback let fall, of 4"] == 0
+    assert found["steps by narrow, of 4"] == 2
+    assert found["steps by let fall, of 4"] == 0
     assert (found["of these succeeded: narrow"], found["of these succeeded: empty"]) == (50.0, 0.0)
 
 
