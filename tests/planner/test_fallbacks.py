@@ -12,7 +12,7 @@ from topple.topology.base.errors import InvalidInput
 def test_every_relaxation_has_words_of_its_own_and_the_count_that_the_benchmark_wrote():
     text = (Path(__file__).parents[2] / "benchmarks" / "run.md").read_text()
     for row in RELAXATIONS:
-        stood = re.search(rf"fallback {row}, of 3951 \| (\d+)", text)
+        stood = re.search(rf"steps by {row}, of 3951 \| (\d+)", text)
         share = re.search(rf"of these succeeded: {row} \| ([\d.]+) %", text)
         counted = round(int(stood[1]) * float(share[1] if share else 0) / 100) if stood else None
         assert row.saved == counted
