@@ -207,7 +207,7 @@ def tool_advice(arm: Arm) -> str:
     line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
     finger = lone_finger(arm.model)
     missing = (
-        f"{_last(arm)!r} at its end carries no hand"
+        f"beyond {arm.joints[-1]!r}, its last joint that moves, no finger moves"
         if finger is None
         else f"the finger {finger.child!r}, moved by {finger.name!r}, has none to close on: add the other, or"
     )

@@ -91,7 +91,7 @@ def test_a_group_is_the_arm_and_all_else_holds_still(tmp_path, srdf, side):
 
 def test_of_two_arms_one_has_to_be_named(tmp_path, srdf):
     path = two_armed(tmp_path)
-    with pytest.raises(InvalidInput, match=r"several arms: .* group=NAME, one of left, right$"):
+    with pytest.raises(InvalidInput, match=r"several arms: .* group=NAME, one of left, right; for one that"):
         robot(path, srdf=srdf)
     with pytest.raises(InvalidInput, match=r"two\.urdf has several arms: .*left_link5, right_link5"):
         robot(path)
