@@ -237,11 +237,9 @@ def hold_still(
         mimic, limit = element.find("mimic"), element.find("limit")
         where = f"{name}: joint {joint!r}"
         if mimic is not None and mimic.get("joint") in elements and depth < len(elements):
-            factor, offset = (
-                number(mimic.get("multiplier"), 1.0, where),
-                number(mimic.get("offset"), 0.0, where),
-            )
-            return factor * value_of(str(mimic.get("joint")), depth + 1) + offset
+            followed = value_of(str(mimic.get("joint")), depth + 1)
+            followed *= number(mimic.get("multiplier"), 1.0, where)
+            return followed + number(mimic.get("offset"), 0.0, where)
         if limit is None or element.get("type") not in ("revolute", "prismatic"):
             return values.get(joint, 0.0)
         low, high = number(limit.get("lower"), 0.0, where), number(limit.get("upper"), 0.0, where)

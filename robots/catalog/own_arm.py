@@ -171,9 +171,7 @@ def _whole(
     if semantics is not None or part is not None or group is not None:
         apart = [] if part is None else list(part.apart)
         if semantics is not None:
-            pairs = {
-                tuple(sorted(pair)) for pair in semantics.apart if pair <= set(tree.links) and len(pair) == 2
-            }
+            pairs = {tuple(sorted(two)) for two in semantics.apart if len(two) == 2 and two <= {*tree.links}}
             apart += [(a, b) for a, b in sorted(pairs) if (a, b) not in apart]
         joints = None if chain is None else list(chain.joints)
         rest = {} if part is None else dict(part.rest)
