@@ -55,7 +55,7 @@ def test_ten_arms_have_their_command_each_from_the_file_that_the_table_names():
     from topple.benchmarks.arms import SHIPPED
 
     typed = commands(ARMS)[2:]
-    files = {f"packages/{shipped.urdf}" for shipped in SHIPPED}
+    files = {f"packages/{shipped.file}" for shipped in SHIPPED}
     assert len(typed) == len({command.split()[7] for command in typed}) == 10
     assert {command.split()[7] for command in typed} <= files
     assert all("--verify" in command for command in typed)

@@ -5,7 +5,7 @@ import shlex
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.arguments import COMMON, GRIPPER, OPTIONS, add, switch, value
-from topple.planner.cli.console import print_json, print_table, print_text
+from topple.planner.cli.console import in_options, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import output_of, robot_of
@@ -88,7 +88,7 @@ def _print(robot: str, said: dict[str, Any], line: str, arm: "Arm") -> None:
         return
     from topple.robots.catalog.own_arm import tool_advice
 
-    print_text("", tool_advice(arm))
+    print_text("", in_options(tool_advice(arm)))
 
 
 def _tool_words(tool: dict[str, Any]) -> str:

@@ -144,7 +144,8 @@ def _of_group(tree: Tree, semantics: Semantics, group: str | None) -> tuple[str,
         candidates = list(dict.fromkeys(parents)) or arms
         if len(candidates) > 1:
             raise InvalidInput(
-                f"{where} has several arms: say which with group=NAME, one of {', '.join(candidates)}"
+                f"{where} has several arms: say which with group=NAME, one of {', '.join(candidates)}; "
+                "for one that it does not name write arm = {tip = LINK} in a gripper file"
             )
         group = str(candidates[0])
     if group not in semantics.groups:
@@ -168,21 +169,29 @@ def _joints_to_branch(tree: Tree) -> list[Edge]:
     return [edge for edge in path if edge.moves]
 
 
+def _arms(tree: Tree, link: str) -> list[Edge]:
+    """The branches at a link that are arms: a finger has fewer joints, one behind the other, than its arm."""
+    carrying = sum(edge.moves for edge in tree.above(link))
+    return [edge for edge in tree.branches(link) if tree.series(edge) >= max(SERIES, carrying + 1)]
+
+
 def _longest(tree: Tree, semantics: Semantics | None) -> tuple[str, ...] | None:
     """The joints of the one branch that is an arm; None where nothing else moves but its hand."""
     link, path, alone = tree.root, list[Edge](), True
     while link is not None and len(path) <= len(tree.edges):
-        branches = tree.branches(link)
-        arms = [edge for edge in branches if tree.series(edge) >= SERIES]
-        behind = sum(edge.moves for edge in path)
-        if len(branches) > 1 and len(arms) > 1 and behind < SERIES:
-            tips = ", ".join(_tip(tree, edge) for edge in arms)
+        branches, arms = tree.branches(link), _arms(tree, link)
+        if len(branches) > 1 and len(arms) > 1:
             other = "srdf=FILE and group=NAME" if semantics is None else "group=NAME"
             raise InvalidInput(
                 f"{tree.name} has several arms: say which with arm = {{tip = LINK}} in a gripper file, "
-                f"LINK one of {tips}, or with {other}"
+                f"LINK one of {', '.join(_tips(tree, arms))}, or with {other}"
             )
-        if len(branches) > 1 and len(arms) == 1 and behind < SERIES:
+        if len(branches) > 1 and not arms and sum(edge.moves for edge in path) < 2:
+            raise InvalidInput(
+                f"{tree.name}: {link!r} carries {len(branches)} moving parts and none is an arm, which has "
+                f"{SERIES} joints or more, one behind the other: name its joints in [arm] of a gripper file"
+            )
+        if len(branches) > 1 and len(arms) == 1:
             branches, alone = arms, False
         if len(branches) != 1:
             break
@@ -192,12 +201,15 @@ def _longest(tree: Tree, semantics: Semantics | None) -> tuple[str, ...] | None:
     return None if alone or not moving else moving
 
 
-def _tip(tree: Tree, edge: Edge) -> str:
-    """The link behind the last joint before the branch of an arm itself branches."""
-    tip = edge.child
-    while len(branches := tree.branches(tip)) == 1:
-        tip = branches[0].child
-    return tip
+def _tips(tree: Tree, arms: Sequence[Edge]) -> list[str]:
+    """The links behind the last joints before arms branch into fingers; a torso branches into arms."""
+    found = list[str]()
+    for edge in arms:
+        tip = edge.child
+        while len(branches := tree.branches(tip)) == 1:
+            tip = branches[0].child
+        found += _tips(tree, _arms(tree, tip)) or [tip]
+    return found
 
 
 def hold_still(
@@ -225,11 +237,9 @@ def hold_still(
         mimic, limit = element.find("mimic"), element.find("limit")
         where = f"{name}: joint {joint!r}"
         if mimic is not None and mimic.get("joint") in elements and depth < len(elements):
-            factor, offset = (
-                number(mimic.get("multiplier"), 1.0, where),
-                number(mimic.get("offset"), 0.0, where),
-            )
-            return factor * value_of(str(mimic.get("joint")), depth + 1) + offset
+            followed = value_of(str(mimic.get("joint")), depth + 1)
+            followed *= number(mimic.get("multiplier"), 1.0, where)
+            return followed + number(mimic.get("offset"), 0.0, where)
         if limit is None or element.get("type") not in ("revolute", "prismatic"):
             return values.get(joint, 0.0)
         low, high = number(limit.get("lower"), 0.0, where), number(limit.get("upper"), 0.0, where)

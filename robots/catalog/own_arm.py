@@ -171,9 +171,7 @@ def _whole(
     if semantics is not None or part is not None or group is not None:
         apart = [] if part is None else list(part.apart)
         if semantics is not None:
-            pairs = {
-                tuple(sorted(pair)) for pair in semantics.apart if pair <= set(tree.links) and len(pair) == 2
-            }
+            pairs = {tuple(sorted(two)) for two in semantics.apart if len(two) == 2 and two <= {*tree.links}}
             apart += [(a, b) for a, b in sorted(pairs) if (a, b) not in apart]
         joints = None if chain is None else list(chain.joints)
         rest = {} if part is None else dict(part.rest)
@@ -207,7 +205,7 @@ def tool_advice(arm: Arm) -> str:
     line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
     finger = lone_finger(arm.model)
     missing = (
-        f"{_last(arm)!r} at its end carries no hand"
+        f"beyond {arm.joints[-1]!r}, its last joint that moves, no finger moves"
         if finger is None
         else f"the finger {finger.child!r}, moved by {finger.name!r}, has none to close on: add the other, or"
     )

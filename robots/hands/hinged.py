@@ -8,6 +8,7 @@ side, come together at one limit and are apart at the other.
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from topple.robots.arm.gripper import Tool
 from topple.robots.arm.gripper_file import Jaw
@@ -91,8 +92,9 @@ def hinged_jaw(model: Model, joint: Joint, given: Jaw | None = None) -> Tool | N
     keep = keep[max(np.count_nonzero(gaps[keep] <= 0.0) - 1, 0) :]  # closed in one state
     if len(keep) < 2 or not (np.diff(gaps[keep]) > 0.0).all() or np.ptp(gaps[keep]) < LEAST_STROKE:
         return None
-    wide_x = [_extent(parts, zone) for parts in (own, states[keep[0]])]
-    low, high = max(each[0] for each in wide_x), min(each[1] for each in wide_x)
+    both = own, states[keep[0]]
+    low = max(float(np.nanmin(_side(parts, zone, -1.0, axis=0))) for parts in both)
+    high = min(float(np.nanmax(_side(parts, zone, 1.0, axis=0))) for parts in both)
     pose = np.eye(4)
     pose[:3, :3] = turn
     pose[:3, 3] = hinge + turn @ np.array([(low + high) / 2.0, face, end - HINGED_PAD / 2.0])
@@ -121,21 +123,16 @@ def _farthest(parts: Sequence[FloatArray], axis: FloatArray) -> FloatArray:
     return flat[int(np.argmax(np.linalg.norm(flat, axis=1)))]
 
 
-def _side(parts: Sequence[FloatArray], levels: FloatArray, sign: float) -> FloatArray:
-    """The largest y (sign 1) or smallest (-1) of parts at levels of z (k,) [m]; nan where nothing is."""
+def _side(parts: Sequence[FloatArray], levels: FloatArray, sign: float, axis: int = 1) -> FloatArray:
+    """The largest y, or x, (sign 1) or smallest (-1) of parts at levels of z (k,) [m]; nan for nothing."""
     found = np.full(len(levels), np.nan)
+    # vertices within the outline are outermost at no level, and scanned fingers have thousands of them
+    outlines = [part[ConvexHull(part[:, [axis, 2]]).vertices] for part in parts]
     for k, level in enumerate(levels):
-        sections = [section(part, float(level)) for part in parts]
-        points = np.concatenate([np.empty((0, 3)), *sections])
+        points = np.concatenate([np.empty((0, 3)), *(section(part, float(level)) for part in outlines)])
         if len(points):
-            found[k] = sign * (sign * points[:, 1]).max()
+            found[k] = sign * (sign * points[:, axis]).max()
     return found
-
-
-def _extent(parts: Sequence[FloatArray], levels: FloatArray) -> tuple[float, float]:
-    """Bounds of x of parts at levels of z [m]."""
-    points = np.concatenate([section(part, float(level)) for part in parts for level in levels])
-    return float(points[:, 0].min()), float(points[:, 0].max())
 
 
 def _lean(parts: Sequence[FloatArray], length: float) -> float:

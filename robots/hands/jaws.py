@@ -162,10 +162,7 @@ class _Hand:
         """Values of the driven joints with the fingers together and apart."""
         names = self._fingers.drivers
         if given.closed is not None and given.open is not None:
-            return (
-                dict(zip(names, given.closed, strict=True)),
-                dict(zip(names, given.open, strict=True)),
-            )
+            return dict(zip(names, given.closed, strict=True)), dict(zip(names, given.open, strict=True))
         corners = self._corners()
         apart = [
             float(np.linalg.norm(self._middle(links[0], values) - self._middle(links[1], values)))

@@ -2,12 +2,15 @@
 
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
+from topple.robots.arm.arm_chain import arm_chain
 from topple.robots.arm.gripper_file import ArmPart, Cup, GripperFile
 from topple.robots.arm.srdf import EndEffector, read_srdf, srdf_beside
+from topple.robots.arm.tree import Tree
 from topple.robots.catalog import robot
 from topple.topology.base.errors import InvalidInput
 
@@ -91,7 +94,7 @@ def test_a_group_is_the_arm_and_all_else_holds_still(tmp_path, srdf, side):
 
 def test_of_two_arms_one_has_to_be_named(tmp_path, srdf):
     path = two_armed(tmp_path)
-    with pytest.raises(InvalidInput, match=r"several arms: .* group=NAME, one of left, right$"):
+    with pytest.raises(InvalidInput, match=r"several arms: .* group=NAME, one of left, right; for one that"):
         robot(path, srdf=srdf)
     with pytest.raises(InvalidInput, match=r"two\.urdf has several arms: .*left_link5, right_link5"):
         robot(path)
@@ -101,6 +104,16 @@ def test_of_two_arms_one_has_to_be_named(tmp_path, srdf):
         robot(path, group="left")
     with pytest.raises(InvalidInput, match="panda is known whole"):
         robot("panda", srdf=srdf)
+
+
+def test_of_a_torso_its_arms_are_named(tmp_path):
+    text = two_armed(tmp_path).read_text().replace("</robot>", "")
+    for k in range(7):  # a leg beside the lift
+        text += f"<link name='leg{k}'/><joint name='hip{k}' type='continuous'><child link='leg{k}'/>"
+        text += f"<parent link='{f'leg{k - 1}' if k else 'world'}'/></joint>"
+    tree = Tree(ElementTree.fromstring(text + "</robot>"), "walker")
+    with pytest.raises(InvalidInput, match=r"walker has several arms: .*left_link5, right_link5, leg6"):
+        arm_chain(tree, None, None, None)
 
 
 def test_a_gripper_file_names_the_arm_and_where_the_rest_stands(tmp_path):

@@ -39,9 +39,20 @@ def test_it_is_refused(tmp_path, body, words):
         read_urdf(tmp_path / "arm.urdf")
 
 
-def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path):
-    (tmp_path / "post.urdf").write_text(f"<robot name='arm'>{SPHERE.format('a', '0.1')}</robot>")
-    with pytest.raises(InvalidInput, match=r"^post\.urdf: no joint moves 'a'"):
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (SPHERE.format("a", "0.1"), "no joint moves 'a'"),
+        (
+            THREE + TURNING.format("left", "a", "b") + TURNING.format("right", "a", "c"),
+            "'a' carries 2 moving parts and none is an arm, which has 4 joints or more",
+        ),
+    ],
+    ids=["still", "legs"],
+)
+def test_what_is_no_arm_is_refused_by_the_name_of_its_file(tmp_path, body, words):
+    (tmp_path / "post.urdf").write_text(f"<robot name='arm'>{body}</robot>")
+    with pytest.raises(InvalidInput, match=rf"^post\.urdf: {words}"):
         robot(tmp_path / "post.urdf")
 
 

@@ -150,7 +150,7 @@ def test_without_a_tool_the_arm_is_there_and_the_refusal_can_be_used_as_it_stand
     path = written(tmp_path)
     arm = robot(path)
     assert arm.tools == {}
-    with pytest.raises(InvalidInput, match=r"arm.urdf: 'tool0' .* carries no hand, so") as refusal:
+    with pytest.raises(InvalidInput, match=r"arm.urdf: beyond 'j5', .* no finger moves, so") as refusal:
         check_tool(arm)
     words = str(refusal.value)
     line = words[words.index("cup = ") : words.index("}") + 1]
