@@ -107,7 +107,7 @@ def within_corners(points: FloatArray, lower: FloatArray, upper: FloatArray) -> 
 
 
 def rounded(values: ArrayLike, decimals: int = DECIMALS) -> FloatArray:
-    """What decisions and simulations begin with, lengths [m] and angles [rad], without its last digits.
+    """Drop the last digits of lengths [m] and angles [rad] that decisions and simulations begin with.
 
     Linear algebra ends in other last bits on other processors: a simulation carries them on to millimetres,
     and what lies on the edge of a cell falls to either side. Rounded, the same seed is the same on all.

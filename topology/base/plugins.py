@@ -15,7 +15,7 @@ Kind = TypeVar("Kind")
 
 
 def expected(found: object, kind: type[Kind]) -> Kind:
-    """What a function of another package gave, as it should be.
+    """Refuse the result of another package's function unless it is of the expected kind.
 
     Raises:
         TypeError: It is something else.
@@ -68,7 +68,7 @@ class Table(Generic[Kind]):
         return name in self._entries
 
     def __getitem__(self, name: str) -> Kind:
-        """What is called so; if it is another package's function, what it raises names that package.
+        """Load the entry of a name; what another package's function raises names that package.
 
         Raises:
             InvalidInput: There is nothing of that name, or it cannot be imported.

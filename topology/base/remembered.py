@@ -53,7 +53,7 @@ def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given
 
 
 def _standing_for(value: Any) -> Hashable:
-    """What stands for an argument in a key: of an array its shape and a digest of its numbers."""
+    """Make a key of an argument: of an array, its shape and a digest of its numbers."""
     if not isinstance(value, np.ndarray):
         return value
     known = _DIGESTS.get(id(value))

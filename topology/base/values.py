@@ -40,7 +40,7 @@ class ByValue:
     """Equality of frozen dataclasses that hold arrays: equal where all their fields are."""
 
     def _compared(self) -> list[Any]:
-        """What is compared: all fields, unless a class says otherwise."""
+        """Values to compare: all fields, unless a class says otherwise."""
         return [getattr(self, each.name) for each in fields(self) if each.compare]  # type: ignore
 
     def __eq__(self, other: object) -> bool:
@@ -55,7 +55,7 @@ class ByValue:
 
 
 def _short(value: Any) -> str | int | float:
-    """What stands for a value in a hash: itself, or its length where it has one."""
+    """Stand-in for a value in a hash: itself, or its length where it has one."""
     if isinstance(value, (str, int, float)):
         return value
     return len(value) if isinstance(value, (tuple, Mapping)) else 0

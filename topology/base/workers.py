@@ -104,7 +104,7 @@ class WorkerPool(Executor):
         return self._threads.submit(self._ask_process, fn, args, kwargs)
 
     def _ask_process(self, fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
-        """What the process of this thread answers."""
+        """Call a function in the process of this thread, which is started for the first call."""
         pid: int | None = getattr(self._of_thread, "pid", None)
         if pid is None:
             pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=self._ready)

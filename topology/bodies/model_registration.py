@@ -234,7 +234,7 @@ def _points_at(poses: FloatArray, points: FloatArray) -> FloatArray:
 def _equations(
     points: FloatArray, ways: FloatArray, offset: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """What is left along ways (K, n, d, 3), and how a small turn and shift change it, of points (K, n, 3)."""
+    """Linearise the gaps along ways (K, n, d, 3) by a small turn and shift of points (K, n, 3)."""
     turning = np.cross(points[..., None, :], ways)
     scale = np.sqrt(weights)[..., None]
     rows = scale * np.concatenate([turning, ways], axis=-1)

@@ -192,7 +192,7 @@ class _Bag:
         return next(self._messages(topic, moment))[0], abs(moment[0] - stamp) / _SECOND
 
     def frame(self, stream: _Stream, moment: _Moment) -> Parts:
-        """What one frame says."""
+        """Read one frame."""
         message = next(self._messages(stream.depth, moment))[0]
         arrays, notes = self._poses_of_camera(message.header.frame_id, moment[0])
         where = f"{stream.depth.topic} at {moment[0] / _SECOND:.3f} s"

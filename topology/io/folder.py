@@ -147,7 +147,7 @@ def _note_on_unused(folder: Path, used: Iterable[Path]) -> list[str]:
 
 
 def _kind_of(place: Path) -> str:
-    """What follows the name of what is not used: that it is a folder, or numbers that are no cloud."""
+    """Say after an unused file's name that it is a folder, or numbers that are no cloud."""
     if place.suffix.lower() in TEXTS and place.is_file() and (other := no_cloud(place)) not in (None, NOTES):
         return f" ({other})"
     return "/" * place.is_dir()

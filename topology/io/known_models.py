@@ -122,7 +122,7 @@ def _space_excluded(scene: Scene, seen: FloatArray, sight: FreeSpace | None) -> 
 
 
 def _refusal(fit: ModelFit, points: int) -> str | None:
-    """What is wrong with a fit, in words; None where it can be trusted."""
+    """Say why a fit cannot be trusted; None where it can."""
     if points < MODEL_FEWEST:
         return f"{points} points of it were seen, at least {MODEL_FEWEST} needed"
     if fit.residual > MODEL_RESIDUAL:

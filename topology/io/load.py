@@ -26,7 +26,7 @@ class Reader(Protocol):
         ...
 
     def read(self, path: Path, **options: Any) -> Parts:
-        """What it says: `Parts(clouds={name: points})` and what else it knows.
+        """Read a file: `Parts(clouds={name: points})` and whatever else it knows.
 
         Raises:
             InvalidInput: If it is broken; one line with what was expected.

@@ -67,7 +67,7 @@ def roofed(places: "FloatArray", wall: "FloatArray", height: float, aside: float
 
 
 def _arrays(places: "FloatArray", wall: "FloatArray") -> tuple[int, int, int, int]:
-    """What both kernels take; the caller holds arrays that are contiguous."""
+    """Arguments of both kernels; the caller holds arrays that are contiguous."""
     return address(places), len(places), address(wall), len(wall)
 
 

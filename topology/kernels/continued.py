@@ -118,6 +118,6 @@ def _ray(pixels: Pixels, at: "IntArray", step: int, own: bool) -> "tuple[BoolArr
 
 
 def _arrays(pixels: Pixels) -> tuple[int | float, ...]:
-    """What both kernels take of a picture."""
+    """Arguments of both kernels about a picture."""
     arrays = (address(pixels.inverse), address(pixels.label), address(pixels.surface))
     return (*arrays, pixels.width, PATCH, NARROW)

@@ -44,7 +44,7 @@ class Registration:
     conflict: float
 
     def why_poor(self) -> str | None:
-        """What is wrong with it, in words; None where it can be trusted."""
+        """Say why it cannot be trusted; None where it can."""
         if self.common < TOLERANCES.fewest:
             return f"{self.common} points in common, at least {TOLERANCES.fewest} needed"
         if self.conflict > TOLERANCES.conflict:

@@ -66,7 +66,7 @@ class Relations(RelationTable):
         return told_in(document, relate(scene, deviation_of(document)))
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the relations in a notebook."""
         return in_cell(self)
 
 
@@ -177,7 +177,7 @@ class _LazyBasis:
 
     @property
     def scene(self) -> Scene:
-        """What was related."""
+        """The related scene."""
         return self._scene
 
     @property

@@ -195,7 +195,7 @@ class RobustRule:
 
     @staticmethod
     def _relation(one: "_Counted", other: "_Counted", touching: bool) -> Relation:
-        """What Table 1 says of the counts that noise does not explain, and of the surfaces' distance."""
+        """Look up in Table 1 the counts that noise does not explain, and the surfaces' distance."""
         if one.held and other.held:
             return Relation.CROSS
         if one.held:

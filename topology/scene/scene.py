@@ -160,7 +160,7 @@ class Scene(ByValue):
         return (Scene, (*parts, self.assumptions, *seen, dict(self.centres)))
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the scene in a notebook."""
         return in_cell(self)
 
     def __repr__(self) -> str:

@@ -161,11 +161,11 @@ class Situation:
 
     @cached_property
     def supports(self) -> tuple[Support, ...]:
-        """What carries what: see `topple.topology.statics.support.supports`."""
+        """Supports between objects: see `topple.topology.statics.support.supports`."""
         return supports(self.statics, self.relations)
 
     def without(self, *names: str) -> "Situation":
-        """What is left once objects are taken away; the bodies of the others stay as they are.
+        """Take objects away; the bodies of the others stay as they are.
 
         Args:
             names: The objects.

@@ -66,7 +66,7 @@ class PairRelation(ByValue):
         return self.least_gap <= limit and self.gap <= limit
 
     def _compared(self) -> list[Any]:
-        """What is counted and measured, not how that comes about."""
+        """Counts and measures, not how they were found."""
         return [self.matrix, self.gap, *self.to_json().values()]
 
     def __reduce__(self) -> tuple[object, ...]:

@@ -168,7 +168,7 @@ def equations(
 
 
 def demanded(height: int) -> FloatArray:
-    """What the forces on each object have to give, its weight and no torque: (height,) six an object."""
+    """Forces and torques asked of contacts: each object's weight, no torque; (height,), six an object."""
     demand = np.zeros(height)
     demand[2::6] = 1.0
     return demand

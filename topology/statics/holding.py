@@ -53,7 +53,7 @@ class Search:
 
 
 def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict[str, float]:
-    """What forces at the contacts leave unexplained of each weight: the deficits of `balance` alone.
+    """Measure the part of each weight that contact forces do not explain: the deficits of `balance`.
 
     Args:
         weights: The objects that can move.
@@ -178,7 +178,7 @@ class _Held:
         return frozenset(names[i] for i in np.flatnonzero(np.abs(over).max(axis=1) >= within))
 
     def _near(self, left: frozenset[str], away: Collection[str], pressing: Pressing) -> set[str]:
-        """What meets something that is gone or presses, what meets that, and all that is below it."""
+        """Objects that meet one that is gone or presses, those that meet these, and all below them."""
         near = {name for name in left if not self._meeting[name].isdisjoint(away)}
         near |= {name for contact, _ in pressing for name in (contact.a, contact.b) if name in left}
         near |= set[str]().union(*(self._meeting[name] for name in near)) & left
@@ -198,7 +198,7 @@ class _Held:
         within: float,
         pressing: Pressing,
     ) -> FloatArray:
-        """What forces leave over on some of what is left, while those on all the rest stay as they are."""
+        """Residual of forces on some of the objects left, while those on all the rest stay as they are."""
         inside, free = set(names), list[IntArray]()
         kept: list[IntArray] = []
         for number in sorted(set[int]().union(*(self._pushing[name] for name in names))):

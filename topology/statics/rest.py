@@ -124,7 +124,7 @@ class Statics:
         return catching((*(c for c in near if c is not None), *(c for c in self.contacts if c.inferred)))
 
     def _apart(self, contact: Contact) -> Contact | None:
-        """What of a patch may catch a body: of two that do not meet, only what it has to fall to."""
+        """Keep the points of a patch that may catch a body; of bodies apart, those across a gap."""
         if self.meeting is None or frozenset((contact.a, contact.b)) in self.meeting:
             return contact
         return contact.only(contact.gaps > TOLERANCES.catch)
@@ -141,11 +141,11 @@ class Statics:
 
     @cached_property
     def _search(self) -> Search:
-        """What searches for forces left for the next ones."""
+        """Memory that one search for forces leaves to the next."""
         return Search()
 
     def fallen_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """What falls once some objects are gone, for clouds that show whole surfaces.
+        """Find the objects that fall once others are gone, for clouds that show whole surfaces.
 
         Args:
             away: Names taken out of the scene.
@@ -164,7 +164,7 @@ class Statics:
         return {name: share for name, share in far.items() if share > 1.0}
 
     def unheld_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """What forces hold less once some objects are gone.
+        """Measure how much less forces hold each object once others are gone.
 
         Args:
             away: Names taken out of the scene.
@@ -184,7 +184,7 @@ class Statics:
         return {name: missing - self.unexplained.get(name, 0.0) for name, missing in found.items()}
 
     def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """What does not stay where it is once some objects are gone.
+        """Find the objects that do not stay where they are once others are gone.
 
         Args:
             away: Names taken out of the scene.

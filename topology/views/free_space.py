@@ -149,7 +149,7 @@ class FreeSpace:
         return (np.einsum("vpi,pi->vp", self.viewpoints[:, None] - places, outward) > 0.0).any(axis=0)
 
     def _news(self, cloud: FloatArray) -> tuple[FloatArray, ...]:
-        """What a cloud adds to what each camera is known to have seen: all of it, but for what it pictured.
+        """Points of a cloud that tell each camera more than its picture: all but those it pictured.
 
         Points in space that a picture shows empty have come there since: they end its lines of sight.
         """
@@ -160,7 +160,7 @@ class FreeSpace:
 
     @cached_property
     def _shown_by_cloud(self) -> dict[str, tuple[FloatArray, ...]]:
-        """What each cloud adds."""
+        """Points that each cloud adds, by camera."""
         return {name: self._news(cloud) for name, cloud in self._clouds.items()}
 
     @cached_property

@@ -116,7 +116,7 @@ class DepthImage(ByValue):
 
     @cached_property
     def borders(self) -> Borders:
-        """What depth says of the masks: which pixel is by its depth of whose surface."""
+        """Borders of the masks judged by depth: whose surface each pixel is by its depth."""
         return borders(self.depth, self.label)
 
     def points(self) -> FloatArray:
