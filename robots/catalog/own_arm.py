@@ -203,7 +203,7 @@ def check_tool(arm: Arm) -> None:
 
 
 def tool_advice(arm: Arm) -> str:
-    """What to write in a gripper file for an arm that has no tool."""
+    """Advise what to write in a gripper file for an arm that has no tool."""
     line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
     finger = lone_finger(arm.model)
     missing = (
@@ -225,7 +225,7 @@ def _last(arm: Arm) -> str:
 
 
 def _gripper(gripper: str | Path | GripperFile | Jaw | Cup | None) -> tuple[GripperFile, str]:
-    """What was given, and what to call it in messages."""
+    """Read a gripper in any of the accepted forms; also its name in messages."""
     if gripper is None:
         return GripperFile(), "gripper"
     if isinstance(gripper, str | Path):

@@ -158,7 +158,7 @@ def gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: i
 
 
 def _gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: int) -> Float32Array:
-    """What the kernel finds."""
+    """Bound the gap of each pair from below, as the kernel does."""
     best = np.full(len(candidates.state), -np.inf, dtype=np.float32)
     open_ = np.arange(len(best))
     both = _Placed.of(sets, frames, candidates)

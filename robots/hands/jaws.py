@@ -303,7 +303,7 @@ class _Hand:
         return joint_value(self._model.joint(name), values)
 
     def _force(self, gaps: FloatArray, states: Sequence[Mapping[str, float]]) -> float:
-        """What the joint's effort gives at the pads [N]: of a turning joint over its lever."""
+        """Convert the joint's effort to a force at the pads [N]: of a turning joint over its lever."""
         joint = self._drivers[0]
         if not joint.effort > 0.0:
             return FORCE

@@ -45,6 +45,6 @@ class MujocoVacuum(Vacuum):
         self._mujoco.unweld(self.name, self._link)
 
     def load(self) -> tuple[FloatArray, FloatArray]:
-        """What the object does to the lip; see `Vacuum.load`."""
+        """Load of the object on the lip; see `Vacuum.load`."""
         force, about_middle = self._mujoco.weld_wrench(self.name, self._link)
         return -force, -(about_middle + np.cross(self._from_lip(), force))

@@ -173,7 +173,7 @@ class MujocoWorld(PhysicalWorld):
         return found
 
     def ray_hit(self, start: FloatArray, end: FloatArray, link: str) -> tuple[str | None, float]:
-        """What the way from one point (3,) to another meets first.
+        """Cast a ray from one point (3,) to another and find the first body it meets.
 
         Args:
             start: In the world [m].

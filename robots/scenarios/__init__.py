@@ -45,7 +45,7 @@ __all__ = [
 
 
 def described(name: str) -> str:
-    """What a scene is, in a line: the first of its module.
+    """Describe a scene in a line: the first of its module.
 
     Raises:
         InvalidInput: If there is no such scene.

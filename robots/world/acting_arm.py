@@ -97,7 +97,7 @@ class ActingArm(ABC):
 
     @abstractmethod
     def efforts(self, names: Sequence[str]) -> Sequence[float]:
-        """What the motors of some joints exert in [N m] or [N]."""
+        """Efforts of the motors of some joints in [N m] or [N]."""
 
     @property
     def sealed(self) -> bool | None:
@@ -150,7 +150,7 @@ class ActingArm(ABC):
         return {self.arm.links[0]: self.pose_base_to_world, **found}
 
     def shown(self) -> Iterator[Shown]:
-        """What cameras see of it, where it is now."""
+        """Surfaces of the arm that cameras see, where they are now."""
         poses = self.link_poses()
         for link, surfaces in surfaces_of(self.arm).items():
             for surface in surfaces:

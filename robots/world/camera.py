@@ -34,7 +34,7 @@ class Visible(Protocol):
         ...
 
     def rendered(self, camera: "Camera") -> Rendered:
-        """What a camera without faults sees."""
+        """Render the view of a camera without faults."""
         ...
 
 

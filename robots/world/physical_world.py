@@ -260,7 +260,7 @@ class PhysicalWorld(ABC):
         """Everything that ties bodies together."""
 
     def rendered(self, camera: Camera) -> Rendered:
-        """What a camera without faults sees."""
+        """Render the view of a camera without faults."""
         return draw(camera, self.shown())
 
     def shown(self) -> Iterator[Shown]:

@@ -47,7 +47,7 @@ class Vacuum(ABC):
 
     @abstractmethod
     def load(self) -> tuple[FloatArray, FloatArray]:
-        """What the object does to the lip in the last step.
+        """Load of the object on the lip in the last step.
 
         Returns:
             Force (3,) [N] and moment (3,) [N m] about the lip's centre, in the world's axes.
