@@ -19,7 +19,7 @@ from topple.topology.statics.rest import Statics
 def taking_apart(
     situation: Situation, full: DependencyGraph, hands: int | None, clamped: Names = frozenset()
 ) -> TakeApart:
-    """What takes the groups of an order apart; with a number of hands, whatever else does not stand either.
+    """Make the function that takes apart an order's groups; given hands, all else that does not stand too.
 
     A removal is a build backwards: whatever stands while things are put together with some holds also stands
     while they are taken apart, what was put down last first. The graph asks what falls with one thing gone
@@ -113,7 +113,7 @@ def held(
 def _falling_of(
     falls: Falling, situation: Situation, full: DependencyGraph, part: Names, earlier: Names
 ) -> Falling:
-    """What falls of a part while it is taken apart, and did not before it was touched."""
+    """Find the objects of a part that fall while it is taken apart, and did not before it was touched."""
     there = frozenset(situation.movable) - earlier
     rest, lifted, anyway = there - part, set(full.swept()), frozenset(falls(there, frozenset()))
     unseen = [
@@ -131,7 +131,7 @@ def _falling_of(
 
 
 def _falling_as_graphs_ask(statics: Statics) -> Falling:
-    """What falls of the parts of an arrangement, as the dependency graph asks it."""
+    """Ask what falls of parts of an arrangement as the dependency graph does."""
     every = frozenset(statics.upright.movable)
 
     @cache

@@ -45,7 +45,7 @@ class Footing(Dependency):
 
     @staticmethod
     def of(removal: Dependency) -> "Footing":
-        """What a dependency between two removals means for putting down."""
+        """Reverse a dependency between two removals into one for putting down."""
         first, then = removal.then, removal.first
         return Footing(first, then, removal.reason, removal.confidence, removal.evidence, removal.lies)
 
@@ -139,19 +139,19 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
 
 
 def _standing_beside(falling: Falling, others: Names, placed: Names, held: Names) -> Names:
-    """What falls of a part while all that it does not hang together with is there."""
+    """Find the objects of a part that fall while all that it does not hang together with is there."""
     return placed & frozenset(falling(placed | others, held))
 
 
 def _unsteady(statics: Statics) -> tuple[str, ...]:
-    """What does not stand in the finished arrangement, as far as its weights are known."""
+    """Name the objects that do not stand in the finished arrangement, as far as weights are known."""
     found = [name for name, missing in statics.unexplained.items() if missing > UNSTEADY]
     said = [f"{name} stands in the whole arrangement, though its contacts do not show how" for name in found]
     return (*said, *_hidden_props(statics))
 
 
 def _hidden_props(statics: Statics) -> list[str]:
-    """What would fall but for a contact that was not seen, of bodies that cameras did not hide parts of."""
+    """Name objects that fall but for an unseen contact, of bodies that cameras did not hide parts of."""
     seen = [contact for contact in statics.contacts if not contact.inferred]
     if statics.sight is not None or len(seen) == len(statics.contacts):
         return []

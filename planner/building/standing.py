@@ -16,7 +16,7 @@ from topple.topology.statics.rest import Statics, within_reach
 
 
 def falling_in(statics: Statics) -> Falling:
-    """What falls of the parts of an arrangement, each asked about once.
+    """Make the function that finds what falls of parts of an arrangement, each asked about once.
 
     A thing stands where contact forces hold it and it would not sink, with the masses where they seem to be
     and with all of them a little to either side; by how much more than in the whole arrangement, counts.

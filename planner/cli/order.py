@@ -109,7 +109,7 @@ _Code = Callable[[Mapping[str, Any]], int]
 def _answer(
     reading: Reading, relating: "Callable[[Scene], Relations] | None", ask: _Ask, path: str
 ) -> _Answer:
-    """What is asked of a scene file."""
+    """Load a scene file and answer the question about it."""
     from topple.topology.situation.situation import Situation
 
     scene = reading.scene(path)
@@ -150,7 +150,7 @@ def _moves(reading: Reading, goal: str, match: str, situation: "Situation") -> _
 
 
 def _more_hands(document: Mapping[str, Any]) -> list[str]:
-    """What an order takes more than one hand for, in words."""
+    """Say why an order takes more than one hand."""
     held = [hold for hold in document["holds"] if not hold.get("fixture")]
     groups = [f"{' and '.join(group)} hold each other" for group in document["groups"]]
     return groups or [f"{hold['object']} has to be held until {hold['until']} is there" for hold in held]

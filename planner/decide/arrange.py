@@ -109,7 +109,7 @@ class Order(ByValue):
     called: Mapping[str, str] = field(default_factory=lambda: FrozenDict({}), compare=False, repr=False)
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the order in a notebook."""
         return in_cell(self)
 
     def __iter__(self) -> Iterator[OrderStep]:

@@ -23,7 +23,7 @@ class Beliefs(ByValue):
     measured: frozenset[Pair] = frozenset()
 
     def weighed(self, found: Mapping[Pair, float], edges: Collection[Pair]) -> dict[Pair, float]:
-        """What one more look found, weighed with what is believed.
+        """Average the chances of one more look with those believed.
 
         Args:
             found: Pair -> its chance by this look alone.

@@ -252,7 +252,7 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
 def with_measured(
     graph: DependencyGraph, measured: Collection[Pair], situation: Situation
 ) -> DependencyGraph:
-    """What had better go first where some lifts were tried: a circle is never made of it.
+    """Add dependencies that tried lifts showed; none that would close a cycle.
 
     Args:
         graph: The dependencies that were reasoned.
@@ -320,7 +320,7 @@ def _lies(pair: Pair, reason: Reason, inside: bool, situation: Situation) -> str
 
 
 def with_fixture(graph: DependencyGraph, statics: Statics, clamped: Collection[str]) -> DependencyGraph:
-    """What has to go first where a fixture keeps some objects where they stand until they are taken.
+    """Drop dependencies made needless by a fixture, which keeps objects in place until they are taken.
 
     Args:
         graph: The dependencies without it, with every edge.

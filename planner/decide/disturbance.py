@@ -104,7 +104,7 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
 def without_cascades(
     asked: Mapping[Pair, Disturbance], edges: Collection[Pair], statics: Statics
 ) -> dict[Pair, Disturbance]:
-    """What was found, less the falls of what would stand once all is gone that goes before it anyway.
+    """Drop falls of objects that would stand once all is gone that goes before them anyway.
 
     Without one pier the bridge tips and throws the other over; but the bridge goes before either.
 
@@ -139,7 +139,7 @@ def _unheld_shares(statics: Statics) -> dict[str, dict[str, float]]:
 
 
 def fallen_without(statics: Statics, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-    """What falls once objects are gone.
+    """Find the objects that fall once others are gone.
 
     Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
     body falls once a weight is taken off it, or off what it carries, is believed where no forces hold it,

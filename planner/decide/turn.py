@@ -20,7 +20,7 @@ class Ahead:
 
     @staticmethod
     def of(chosen: Order, done: bool) -> "Ahead":
-        """What an order leaves.
+        """Take the rest of an order, with or without its first object.
 
         Args:
             chosen: The order.

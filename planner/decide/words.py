@@ -79,7 +79,7 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
 
 
 def order_heading(order: Document, movable: int | None = None) -> str:
-    """What a `topple.order` document frees or builds, and how many objects it takes for that."""
+    """Say what a `topple.order` document frees or builds, and how many objects that takes."""
     if order.get("build"):
         return f"to build it, put {len(order['order'])} objects down in this order"
     purpose = f"to free {listed(order['targets'])}" if order["targets"] else "to clear everything"
@@ -130,7 +130,7 @@ def contact(order: Document, support: Document, shown: Callable[[str], str] = st
 
 
 def order_notes(order: Document) -> list[str]:
-    """What has to be held, or taken together, to carry an order out, a sentence each."""
+    """Say what to hold, or take together, to carry an order out, a sentence each."""
     lines = [
         f"{listed(x)} hold each other: take them together, or hold the others."
         for x in order.get("groups", ())
@@ -177,7 +177,7 @@ def places(order: Document) -> dict[str, int]:
 
 
 def holds_in_words(order: Document) -> list[str]:
-    """What to hold while an order is carried out, a sentence each, of a `topple.order` document."""
+    """Say what to hold while an order is carried out, a sentence each, of a `topple.order` document."""
     told: list[str] = []
     for hold in order.get("holds", ()):
         thing, since, until, why = (str(hold[key]) for key in ("object", "since", "until", "because"))

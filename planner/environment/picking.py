@@ -172,7 +172,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         return not truly_unmet(rest, stage.world, stage.up)
 
     def _look(self) -> Situation | None:
-        """What is seen now; None where nothing that moves is."""
+        """Observe the scene; None where nothing that can move is seen."""
         stage = self._stage
         if stage is None or not stage.world.movable:
             return None

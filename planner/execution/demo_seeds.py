@@ -48,7 +48,7 @@ def counted_scenes() -> tuple[str, ...]:
 
 
 def counted(name: str) -> SeedCount | None:
-    """What was counted of a scene.
+    """Look up the count of a scene.
 
     Args:
         name: Of the scene.

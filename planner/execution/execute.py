@@ -159,7 +159,7 @@ def _begin_lift(
 
 
 def _put_back_text(moved: Mapping[str, float], name: str) -> str:
-    """What was seen, in a sentence."""
+    """Say why an object was put back, in a sentence."""
     some = " and ".join(f"{other} by {1e3 * off:.1f} mm" for other, off in sorted(moved.items()))
     return f"{name} was put back: lifting it moved {some}."
 

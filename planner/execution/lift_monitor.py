@@ -47,7 +47,7 @@ class LiftMonitor:
     named: Collection[str]
 
     def detector(self, transfer: Transfer, robot: Driver, path: FloatArray) -> "ChangeDetector":
-        """What detects changes of what stays while an arm with an object goes along a path (k, n)."""
+        """Make the detector of changes while an arm with an object goes along a path (k, n)."""
         carried = (transfer.object, *transfer.riding)
         load = [part for name in carried for part in self.situation.solids.get(name, ())]
         moving = swept_parts(robot, path, transfer.grasp.tool, load)
@@ -147,7 +147,7 @@ class _View:
 
 
 def neighbours_to_watch(situation: Situation, order: Order, name: str) -> set[str]:
-    """What may move as an object of an order is lifted, and could go before it: what its box is near to."""
+    """Find objects with boxes near one to be lifted, which may move with it and could go before it."""
     boxes = {other: np.stack([cloud.min(0), cloud.max(0)]) for other, cloud in situation.surfaces.items()}
     low, high = boxes[name] + [[-FARTHEST], [FARTHEST]]
     near = {other for other, box in boxes.items() if (box[0] < high).all() and (box[1] > low).all()}

@@ -213,7 +213,7 @@ def _strip(
 
 
 def _join_remembered(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
-    """What is seen with what is remembered, and how it differs from what was expected."""
+    """Join the seen and the expected scene, and say how they differ."""
     new = [name for name in seen.names if name not in expected.names]
     said = {name: f"{name} is seen for the first time" for name in new}
     clouds = dict(seen.clouds)
@@ -251,7 +251,7 @@ def _something_at(cloud: FloatArray, images: Sequence[DepthImage]) -> bool:
 
 
 def _among(values: Mapping[str, float], scene: Scene) -> dict[str, float]:
-    """What is known of the objects of a scene."""
+    """Select the values of a scene's objects."""
     return {name: value for name, value in values.items() if name in scene.clouds}
 
 

@@ -44,7 +44,7 @@ class TwoArms:
 
     @property
     def clamped(self) -> frozenset[str]:
-        """What a fixture keeps still now."""
+        """Names of the objects that a fixture keeps still now."""
         return frozenset() if self._fixture is None else frozenset(self._fixture.clamped)
 
     def acting(self, chosen: NextStep) -> Driver:
@@ -131,7 +131,7 @@ class TwoArms:
         return outcome
 
     def _release_watch(self, chosen: NextStep, watch: Watch) -> Watch:
-        """What looks on, and has a fixture let go of the object as soon as the hand has closed on it."""
+        """Make a watch that has a fixture let go of the object as soon as the hand has closed on it."""
 
         def watching(moment: str, tool: str) -> None:
             watch(moment, tool)

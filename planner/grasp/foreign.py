@@ -164,7 +164,7 @@ def grasps_from_array(
 
 
 def label_of(number: Key, where: str) -> str:
-    """What a segment or object is called: its number as text, "" for a negative one: none.
+    """Name a segment or object: its number as text, "" for a negative one: none.
 
     Raises:
         InvalidInput: It is no whole number.

@@ -161,7 +161,7 @@ class Jaw(HandShape):
         return Region(-bound, bound)
 
     def sweeps(self, openings: FloatArray) -> tuple[list[Region], list[Region]]:
-        """What open hands (P,) sweep on their way in, as far as they open where 0."""
+        """Regions that open hands (P,) sweep on their way in, as far as they open where 0."""
         opening = np.where(openings > 0.0, np.minimum(self.max_opening, openings), self.max_opening)
         return [swept(len(opening), *bounds) for bounds in self.footprints(opening)], []
 
@@ -190,7 +190,7 @@ class Jaw(HandShape):
 def _between_pads(
     pose: FloatArray, opening: float, surface: Surface, solid: Sequence[Hull], hand: HandShape
 ) -> tuple[float, float, Callable[[float, float], bool]] | None:
-    """What is between the open pads of a hand at a pose (4, 4); None where nothing is.
+    """Measure the object between the open pads of a hand at a pose (4, 4); None where nothing is.
 
     Seen and guessed sides tell, and what is between them: of a block that hides its far side, all of it is.
 

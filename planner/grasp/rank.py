@@ -247,7 +247,7 @@ def _as_grasps(
 def _told_objects(
     grasps: ForeignGrasps, scene: Scene, names: Mapping[int, str] | Mapping[str, str] | None
 ) -> dict[int, str]:
-    """What grasps hold as their file has it, by their places."""
+    """Objects that grasps hold according to their file, by index."""
     for name in () if names is None else names.values():
         if name not in scene.movable:
             raise UnknownObject(name, scene.movable, role="object to grasp")

@@ -186,7 +186,7 @@ class Shape(ABC):
         """Where something has to be that `count` hands hold."""
 
     def sweeps(self, openings: FloatArray) -> tuple[list[Region], list[Region]]:
-        """What open hands (P,) sweep on their way in; after it, what their own object may be in."""
+        """Regions that open hands (P,) sweep on their way in, and those where their own object may be."""
         return [swept(len(openings), *prism.x, *prism.y, prism.front) for prism in self.body], []
 
     def below(self, poses: FloatArray, up: FloatArray, floors: FloatArray) -> BoolArray:

@@ -113,7 +113,7 @@ def _fill(data: bytes, shape: tuple[int, ...], dtype: np.dtype[Any], fortran: bo
 
 
 def _dict_of_arrays(value: Any) -> dict[Key, np.ndarray[Any, Any]]:
-    """What was unpickled, where it is a dict of arrays by numbers or text."""
+    """Take out a dict of arrays by numbers or text; refuse any other value."""
     if isinstance(value, _Array):
         value = value.value
     if isinstance(value, list):  # numpy stores a dict as an array without axes, whose one value it is

@@ -115,7 +115,7 @@ def _kernel_numbers(sought: Sought, hand: HandShape) -> FloatArray:
 
 
 def _find(found: Windows, frames: Frames, sought: Sought, hand: HandShape) -> None:
-    """What the kernel finds."""
+    """Find the windows as the kernel does."""
     look = _look(frames, sought, hand)
     if look is None:
         return
@@ -207,7 +207,7 @@ def _look(frames: Frames, sought: Sought, hand: HandShape) -> _Look | None:
 
 
 def _holds(look: _Look, sought: Sought, hand: HandShape) -> _Hold:
-    """What the pads would close on at each depth."""
+    """Find the points that the pads would close on at each depth."""
     tolerances = sought.tolerances
     depths = np.array(tolerances.depths)
     tips = look.top[:, None] + depths

@@ -335,7 +335,7 @@ def _refuse_ends(checker: Checker, start: FloatArray, goals: FloatArray) -> Moti
 
 
 def _direct_way_barred(checker: Checker, start: FloatArray, goal: FloatArray) -> MotionFailure:
-    """What stands in the direct way, as the best guess at what bars every way."""
+    """Blame the obstacle in the direct way, as the best guess at what bars every way."""
     states = start + np.linspace(0.0, 1.0, 101)[:, None] * (goal - start)
     hit = np.flatnonzero(~checker.free(states))
     found = checker.contacts(states[hit[len(hit) // 2]]) if len(hit) else ()

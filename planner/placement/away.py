@@ -182,7 +182,7 @@ class Receiver:
 
     @property
     def bodies(self) -> Solids:
-        """What of it is in the way, by name: convex parts (8, 3) in the world [m]."""
+        """Bodies of the receiver that are in the way, by name: convex parts (8, 3) in the world [m]."""
         if self.how not in BODIES:
             return {}
         x, y, z = self.size
@@ -247,7 +247,7 @@ class Receiver:
         words: str,
         drop: float = 0.0,
     ) -> Placement:
-        """What has its middle (3,) somewhere, turned about up, brought to another place (3,)."""
+        """Placement that turns an object about up and brings its middle from one point (3,) to another."""
         pose = np.eye(4)
         pose[:3, :3] = about(situation.up, 2.0 * np.pi * yaw / YAWS)
         pose[:3, 3] = to - pose[:3, :3] @ middle
@@ -289,7 +289,7 @@ class Receiver:
         return found
 
     def _space(self, name: str, situation: "Situation", beside: Solids) -> FreeSpace:
-        """What of the level area is free."""
+        """Find the free part of the level area."""
         axes, up = np.stack(level_axes(situation.up)), situation.up
         top = transformed(_corners((0.0, 0.0, self.size[2]), (self.size[0], self.size[1], 0.0)), self.pose)
         bodies = {other: parts for other, parts in {**situation.solids, **beside}.items() if other != name}
@@ -297,7 +297,7 @@ class Receiver:
         return free_around(BODIES[self.how], top, axes, up, bodies)
 
     def assumption(self) -> str:
-        """What is taken on trust, in a sentence; empty where nothing is."""
+        """State what is taken on trust, in a sentence; empty where nothing is."""
         x, y, z = np.round(self.pose[:3, 3], 3).tolist()
         wide, deep, high = (f"{1e2 * length:.0f}" for length in self.size)
         said: Mapping[Away, str] = {

@@ -98,7 +98,7 @@ class Proof:
 
 
 def container_of(how: str | None, into: str | None) -> str | None:
-    """What an object is put into, where it may roll; None where it is put onto something."""
+    """Name the container an object is put into, where it may roll; None where it is put onto something."""
     return into if how == PlaceRelation.WITHIN else BODIES[Away.BIN] if how == Away.BIN else None
 
 

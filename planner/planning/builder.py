@@ -107,7 +107,7 @@ class PlanBuilder:
             self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
 
     def _context(self) -> Context:
-        """What the next step is chosen in, with what an order from before leaves."""
+        """Make the context in which the next step is chosen, with the rest of an earlier order."""
         avoid = dict[str, list[Grasp]]()
         for transfer in self.barred:
             avoid.setdefault(transfer.object, []).append(transfer.grasp)
@@ -143,7 +143,7 @@ class PlanBuilder:
         del self.steps[index:], self.chosen[index:], self.before[index:]
 
     def plan(self, base_searched: bool, assumptions: Sequence[str]) -> Plan:
-        """What was planned, as data."""
+        """Build the plan, as data."""
         context, arm = self.context, self.context.station.arm
         made = Plan(
             goal=self.goal.text,
@@ -195,7 +195,7 @@ class PlanBuilder:
         return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
 
     def doubted(self, name: str) -> list[DependencyData]:
-        """What taking an object now goes against: what was seen before and is no more."""
+        """Unlikely dependencies that taking an object now violates: seen before and no more."""
         gone = {step.object for step in self.steps}
         return [
             data
@@ -239,7 +239,7 @@ class PlanBuilder:
 
 
 def _left_by(chosen: NextStep, situation: Situation) -> Order | None:
-    """What an order leaves once its first object is gone.
+    """Shorten an order by its first object.
 
     None where that met others, which it may have held, and where what stood first could not be taken: then
     something else may better be next.

@@ -261,7 +261,7 @@ def check_masks(
 
 
 def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[str]:
-    """What a fixture keeps where it stands, all of it known; what never moves needs none.
+    """Refuse unknown names in a fixture; keep those of objects that can move.
 
     Args:
         scene: The scene.

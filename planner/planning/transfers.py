@@ -133,11 +133,11 @@ class Transfers:
         return sorted(near, key=lambda name: (-bottom[name], name))
 
     def riding(self, name: str) -> tuple[str, ...]:
-        """What lies in an object that is kept upright."""
+        """Contents of an object that is kept upright."""
         return self.inside(name) if name in self.context.upright else ()
 
     def inside(self, name: str) -> tuple[str, ...]:
-        """What lies in an object."""
+        """Contents of an object."""
         between = self.situation.relations.between
         movable = self.situation.movable
         return tuple(n for n in movable if n != name and between(n, name).relation in INSIDE)

@@ -142,7 +142,7 @@ class Arrangement:
         return found
 
     def goal(self, scene: "Scene") -> Goal:
-        """What shall hold in the end: what lies on and in what, and where everything is.
+        """State the goal: which objects lie on and in which, and where everything is.
 
         Args:
             scene: How things lie now.
@@ -162,7 +162,7 @@ class Arrangement:
         return Goal(text, places=places, poses=poses, assumptions=tuple(map(str, self.matches)))
 
     def _place(self, name: str) -> Place | None:
-        """What an object lies in, or rests on, in the goal."""
+        """Find the container or supporter of an object in the goal."""
         if name in self.pose_free:
             return self.pose_free[name]
         carrying = [each for each in self.situation.supports if each.supported == name]

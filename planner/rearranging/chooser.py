@@ -68,7 +68,7 @@ class MoveChooser:
         self._failed: dict[Move, TransferFailure] = {}
 
     def unmet(self) -> tuple[str, ...]:
-        """What is not where it shall be, and what is not in or on what it shall be, in words."""
+        """Say which objects are not where, or not in or on what, they shall be."""
         told = (name for name in self._moving if name not in self._arrangement.pose_free)
         far = tuple(f"{name} is {_off(self._fits[name])}" for name in told)
         return (
@@ -121,7 +121,7 @@ class MoveChooser:
         return self._fits[name].stays
 
     def _precedences(self, taken: Order) -> Precedences:
-        """What has to happen before what."""
+        """Find which moves have to happen before which."""
         upright = self._situation.statics.upright.rotation
         surfaces = dict(self._situation.surfaces)
         for name in self._moving:
@@ -210,7 +210,7 @@ class MoveChooser:
     def _precedences_of(
         self, move: Move, failure: TransferFailure, other: str, problem: Problem
     ) -> frozenset[Pair]:
-        """What has to happen before a move whose hand or load another object is in the way of.
+        """Learn what has to happen before a move whose hand or load another object is in the way of.
 
         What is where it shall be, and makes room, comes back only when the room is no longer needed.
         """

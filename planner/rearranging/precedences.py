@@ -158,7 +158,7 @@ def _direct(edges: Iterable[Dependency], over: Collection[str]) -> list[Dependen
 def _places(
     start: Situation, goal: Mapping[str, FloatArray], staying: Iterable[str]
 ) -> Iterable[OccupiedPlace]:
-    """What is in, over or under a place of the goal at the start: a straight way would meet it."""
+    """Find objects in, over or under a place of the goal at the start: a straight way would meet them."""
     kept = frozenset(staying)  # about whose places start and goal say all there is
     for first, then in permutations(start.movable, 2):
         here, there = start.surfaces[first], goal[then]

@@ -129,7 +129,7 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
 
 
 def remaining(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
-    """What is left of a motion for an object that was moved meanwhile; None where it was seen anew since.
+    """Compute the rest of a motion for an object moved meanwhile; None where it was seen anew since.
 
     Args:
         known: The motion.

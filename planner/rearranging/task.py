@@ -59,7 +59,7 @@ class ArrangementTask:
         return ArrangementTask(self.arrangement.in_frame(pose, up))
 
     def goal(self, scene: Scene) -> Goal:
-        """What shall hold in the end.
+        """State the goal: what shall hold in the end.
 
         Args:
             scene: What is seen at the start.
@@ -71,7 +71,7 @@ class ArrangementTask:
         return self.arrangement.goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """What chooses the next move; see `topple.planner.planning.step.Task`."""
+        """Make the chooser of the next move; see `topple.planner.planning.step.Task`."""
         done = context.done
         return MoveChooser(
             situation, goal, context, self.arrangement,
@@ -94,7 +94,7 @@ class _LazyTask(ABC):
         return self if self._made is None else self._made.in_frame(pose, up)
 
     def goal(self, scene: Scene) -> Goal:
-        """What shall hold in the end.
+        """State the goal: what shall hold in the end.
 
         Args:
             scene: What is seen at the start.
@@ -107,7 +107,7 @@ class _LazyTask(ABC):
         return self._worked_out(scene).goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """What chooses the next move; see `topple.planner.planning.step.Task`."""
+        """Make the chooser of the next move; see `topple.planner.planning.step.Task`."""
         return self._worked_out(situation.scene).chooser(situation, goal, context)
 
     def _worked_out(self, scene: Scene) -> ArrangementTask:

@@ -172,7 +172,7 @@ class _Laying:
         return found.without(*(name for name in waiting if name != but and name not in self._poses))
 
     def _makes_room(self, clause: Beside, clauses: Sequence[Place | Beside], there: Situation) -> list[str]:
-        """What is not named, and may have to go where something shall lie beside another thing."""
+        """List objects that are not named, and may have to go where one shall lie beside another."""
         named = {name for each in clauses for name in (each.object, each.where)}
         carrying = {each.supporter for each in self._start.supports if each.supported == clause.where}
         return [name for name in there.movable if name not in named | carrying]

@@ -123,7 +123,7 @@ def view_data(
     tool_path: FloatArray | None = None,
     motion: Document | None = None,
 ) -> dict[str, Any]:
-    """What the viewer script reads of a drawing, ready for JSON.
+    """Collect a drawing's data for the viewer script, ready for JSON.
 
     The path has shape (k, 3) [m]; the motion is what `played.motion_json` gave.
     """

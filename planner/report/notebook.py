@@ -52,7 +52,7 @@ def order_cell(order: "Order") -> str:
 
 
 def plan_cell(plan: "Plan") -> str:
-    """What the plan took the objects for, the way of the tool, and its steps."""
+    """Show a plan in a notebook: the bodies it assumed, the way of the tool, and its steps."""
     clouds = {
         thing.name: sampled([np.asarray(part) for part in thing.whole or thing.parts], LIMITS.parts)
         for thing in plan.objects

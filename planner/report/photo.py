@@ -55,7 +55,7 @@ def photo_figure(image: str, over: str, words: str, slider: str = "") -> str:
 
 
 def said_of_masks(scene: Scene, order: Document | None) -> str:
-    """What the colours and numbers on a photo are, and which masks are wrong."""
+    """Explain the colours and numbers on a photo, and say which masks are wrong."""
     told = ", and before it the place in the order" if order and places(order) else ""
     said = "".join(f" Wide outline: {escape(str(wrong))}." for wrong in scene.wrong_masks)
     return f"What the camera saw: a colour for each mask, its name{told}.{said}"

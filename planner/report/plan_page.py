@@ -131,7 +131,7 @@ def _head(plan: Plan, bands: Sequence[Span], *, refuted: bool) -> str:
 
 
 def _check_words(found: Verification | None) -> str:
-    """What its own check by other means found."""
+    """Sum up the plan's own check by other means."""
     if found is None:
         return ""
     count = len(found.residuals)
@@ -147,7 +147,7 @@ def _check_words(found: Verification | None) -> str:
 
 
 def order_of(plan: Plan) -> Document:
-    """What an order's document would say of a plan."""
+    """Make an order's document of a plan."""
     targets = [step.object for step in plan.steps if step.action != "remove"]
     return {"order": plan.order, "targets": targets, "dependencies": to_builtins(plan.dependencies)}
 

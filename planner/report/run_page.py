@@ -93,7 +93,7 @@ class _RunPage:
         return f'<section class="step">{html}</section>'
 
     def photographed(self, step: StepRecord, drawing: Drawing | None) -> str:
-        """What a camera saw before, its masks outlined, and after."""
+        """Pictures of a camera before, masks outlined, and after."""
         shown, before, marks, words = _photo_of(step), step.picture_before, "", ""
         if drawing is not None and step.scene is not None and shown is not None:
             marks = masks(shown, self.box, step.scene, drawing, step.order)
@@ -144,7 +144,7 @@ def _photo_of(step: StepRecord) -> Photo | None:
 
 
 def _disturbed_by(step: StepRecord) -> list[str]:
-    """What moved, turned or was hit by more than what is not handled may be, farthest first."""
+    """Objects that moved, turned or were hit more than those not handled may be, farthest first."""
     far = {name: (0.0, 0.0) for name in step.forces} | dict(step.disturbed)
     much = [
         name
@@ -206,7 +206,7 @@ def _shift(far: float, turn: float, between: str) -> str:
 
 
 def _disturbance_words(step: StepRecord) -> str:
-    """What moved or was hit and was not meant to, farthest first."""
+    """Tabulate the objects that moved or were hit and were not meant to, farthest first."""
     if not (names := _disturbed_by(step)):
         far, turn = (max((each[k] for each in step.disturbed.values()), default=0.0) for k in (0, 1))
         return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_shift(far, turn, ' and ')} at most.</p>"

@@ -87,7 +87,7 @@ def _head(scene: Scene, order: Document | None, title: str) -> str:
 
 
 def _verdict(order: Document | None) -> str:
-    """What to do, in one line; empty where no order was asked for."""
+    """Say what to do, in one line; empty where no order was asked for."""
     if order is None:
         return ""
     if order.get("unresolved"):
@@ -97,5 +97,5 @@ def _verdict(order: Document | None) -> str:
 
 
 def _assumptions(scene: Scene, order: Document | None) -> list[str]:
-    """What the scene and the order assumed, each once."""
+    """List the assumptions of the scene and the order, each once."""
     return list(dict.fromkeys([*scene.assumptions, *sentences((order or {}).get("assumptions"))]))

@@ -163,7 +163,7 @@ def sentence_list(lines: Sequence[str], title: str) -> str:
 
 
 def proof_rows(checked: Verification) -> list[tuple[str, str, str]]:
-    """What a verification shows: what, by which means, and of which steps that is so."""
+    """List the claims of a verification, each with its means and its steps."""
     steps: dict[tuple[str, str], list[str]] = {}
     numbered = [(str(one.step + 1), one.proofs) for one in checked.steps]
     for number, proofs in (*numbered, ("plan", checked.whole)):

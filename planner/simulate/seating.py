@@ -200,7 +200,7 @@ def seat(
 
 
 def _hidden_below(under: _Under, index: IntArray) -> Piece:
-    """What nobody saw of a body between its underside and the one below that must carry it there.
+    """Fill the unseen space between a body's underside and the body below that must carry it there.
 
     A piece of its own: the hull of the whole body and it would reach into what stands beside. It ends at the
     outermost of the places: down to all of an uneven top it would stand on a bump in its middle, and rock.

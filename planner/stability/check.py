@@ -222,7 +222,7 @@ def _checks(island: Island, verdicts: Mapping[str, Finding], footing: Footing) -
 
 
 def _margins(island: Island, name: str, pushes: Mapping[str, tuple[float, Direction]]) -> Margins:
-    """What an object withstands, of which it has the pushes of all that is above it."""
+    """Measure the margins of an object, given the pushes of all that is above it."""
     centre, aside = island.centre_margin(name)
     push, pushed = min(pushes[other] for other in (name, *island.above(name)))
     return Margins(centre, island.tilt_margin, push, aside, pushed)

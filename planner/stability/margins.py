@@ -174,7 +174,7 @@ class Island:
         return self.most(list(slopes.reshape(len(ways), -1)), STEEPEST)
 
     def loads(self) -> Mapping[str, tuple[Carry, ...]]:
-        """What carries each object: what is below it, or holds it from beside where nothing is."""
+        """Carriers of each object: those below it, or those that hold it from beside where none is."""
         footing, below = self._footing, {name: list[Carry]() for name in self.names}
         beside = {name: list[Carry]() for name in self.names}
         loads = balance(self.weights, self.contacts).loads
@@ -190,7 +190,7 @@ class Island:
         return {name: tuple(below[name] or beside[name]) for name in self.names}
 
     def carry(self, carrier: str, contact: Contact, litres: float, middle: FloatArray) -> Carry:
-        """What carries as many litres of the usual matter at (3,) a point of the upright frame."""
+        """Describe a carrier of so many litres of the usual matter at a point (3,) of the upright frame."""
         unit = self._footing.unit
         x, y, z = (middle @ self._footing.rotation * unit).tolist()
         newton = litres * DENSITY / 1e3 * unit**3 * GRAVITY
@@ -202,12 +202,12 @@ class Island:
         return name not in held(self._footing, self.names, smooth)
 
     def falls_without(self, name: str) -> tuple[str, ...]:
-        """What does not stand where an object is gone."""
+        """Objects that do not stand where another is gone."""
         left = [contact for contact in self.contacts if name not in (contact.a, contact.b)]
         return tuple(fallen(self._footing, [other for other in self.names if other != name], left))
 
     def above(self, name: str) -> frozenset[str]:
-        """What stands on an object, directly or not."""
+        """Objects that stand on an object, directly or not."""
         found: set[str] = set()
         border = [name]
         while border:

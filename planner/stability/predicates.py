@@ -49,7 +49,7 @@ class Predicate(ABC):
 
     @abstractmethod
     def told(self, state: State) -> bool | None:
-        """What is told of a state that has all the names."""
+        """Evaluate the predicate in a state that has all the names."""
 
 
 @dataclass(frozen=True)

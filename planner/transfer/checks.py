@@ -73,7 +73,7 @@ class Checks:
         return sum(weights), np.average(centres, axis=0, weights=weights)
 
     def strain(self, grasp: Grasp, q: FloatArray) -> Strain:
-        """What the arm and what it carries ask of the joints in states (m, n)."""
+        """Compare the load of the arm and its object with the joints' limits in states (m, n)."""
         mass, centre = self.load
         to_flange = self.arm.tool_to_flange(grasp.tool) @ inverse(self.tool_pose(grasp))
         up = self.world_to_base[:3, :3] @ self.up

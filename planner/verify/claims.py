@@ -89,7 +89,7 @@ class Claim:
     def proof(
         self, replay: Replay, residuals: Mapping[str, Residual], step: int | None = None
     ) -> Proof | None:
-        """What residuals say of it, of one step or of the whole plan; None where it is not claimed."""
+        """Judge the claim by residuals, of one step or of the whole plan; None where it is not claimed."""
         asked, means = [residuals[name] for name in self.names], self.means.format(step=replay.spacing)
         failed = [each for each in asked if each.evaluated and not each.ok and step in (None, *each.steps)]
         if failed:

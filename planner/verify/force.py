@@ -80,7 +80,7 @@ class Weights:
         self.heavy.append(piece.finds(GRAVITY * mass - most, words))
 
     def _strain(self, piece: Piece, masses: Mapping[str, float], centres: Mapping[str, FloatArray]) -> Strain:
-        """What weights ask of the joints along a segment."""
+        """Compare weights with the joints' limits along a segment."""
         mass, centre = sum(masses.values()), np.zeros(3)
         if mass > 0.0:
             middle = np.average(list(centres.values()), axis=0, weights=list(masses.values()))

@@ -131,7 +131,7 @@ class Replay:
 
     @property
     def situation(self) -> Situation:
-        """What was seen.
+        """The situation as seen.
 
         Raises:
             NoScene: It is not given.
@@ -150,7 +150,7 @@ class Replay:
         return None if self._situation is None else self._situation.scene
 
     def once(self, make: "Callable[[Replay], Made]") -> Made:
-        """What several checks ask of a replay, made when the first of them does."""
+        """Make data that several checks ask of a replay when the first of them does."""
         if make not in self._made:
             self._made[make] = make(self)
         return self._made[make]
@@ -240,7 +240,7 @@ class Replay:
             self.beside.append(piece.finds(1.0, f"it is not over {place.into}"))
 
     def _leave(self, piece: Piece, fall: FloatArray) -> None:
-        """What is in the hand is left where that is, but for a fall (3,) [m]; a step says where."""
+        """Leave the held objects where they are, but for a fall (3,) [m]; a step says where."""
         tool = self.base @ self.arm.tool_pose(piece.states[-1], self._tool)[0]
         declared = np.array(piece.step.placement.pose_before_to_after)
         for name, to_tool in self._held.items():

@@ -40,7 +40,7 @@ def let_go(replay: Replay) -> tuple[tuple[Piece, Settled], ...]:
 
 
 def _kept(replay: Replay, inside: bool) -> Iterator[tuple[Piece, Settled]]:
-    """What is not said to fall, of what is put into a container or of what is not."""
+    """Select releases that are not said to fall, into a container or not."""
     for piece, found in replay.once(let_go):
         if not piece.step.placement.falls and (found.outside is not None) == inside:
             yield piece, found
