@@ -190,8 +190,8 @@ CHANGES = (
     ),
     Change(
         "distances in a tree of a copy", _CONTACT,
-        "_tree_of = remembered(KEPT_BODIES)(PointTree)",
-        "_tree_of = remembered(KEPT_BODIES)(lambda points: PointTree(points.copy()))",
+        "_tree_of = remember(KEPT_BODIES)(PointTree)",
+        "_tree_of = remember(KEPT_BODIES)(lambda points: PointTree(points.copy()))",
         fault=False,
     ),
 )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 from topple.planner.decide.hold import Hold
 from topple.planner.decide.tolerances import GUESS, LABEL, SURELY
 from topple.topology.base.arrays import FloatArray
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 
 Document = Mapping[str, Any]
 
@@ -252,7 +252,7 @@ def sentences(text: Any) -> list[str]:
 def millimetres(metres: float) -> str:
     """A length in millimetres, to a tenth below 10 mm."""
     value = metres * 1000
-    return f"{rounded(value, 1 if abs(value) < 10 else 0)} mm"
+    return f"{decimal(value, 1 if abs(value) < 10 else 0)} mm"
 
 
 def check_cells(found: Document) -> tuple[str, ...]:

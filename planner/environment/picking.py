@@ -17,7 +17,7 @@ from topple.planner.execution.look import Observer
 from topple.robots import scenario
 from topple.robots.scenarios import Scenario
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -185,7 +185,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         for name in stage.world.names:
             pose, count = stage.world.pose(name), TABLE_SAMPLES if name in stage.fixed else SAMPLES
             points = stage.world.body(name).surface(count, np.random.default_rng(0))
-            clouds[name] = transformed(points, pose)
+            clouds[name] = move_points(points, pose)
         return Scene(clouds, stage.fixed, stage.up)
 
     def _observation(self) -> Observation:

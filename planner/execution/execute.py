@@ -36,7 +36,7 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import ToppleError
 from topple.topology.bodies.solids import Solids
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 WATCHED = (
     SegmentKind.LIFT,
@@ -305,7 +305,7 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
             q = segment.motion.positions
             chosen = q[np.unique(np.linspace(0, len(q) - 1, PATH_SAMPLES).astype(int))]
             base = robot.arm.tool_pose(chosen, segment.tool)[:, :3, 3]
-            pieces.append(transformed(base, robot.pose_base_to_world))
+            pieces.append(move_points(base, robot.pose_base_to_world))
     return np.vstack(pieces)
 
 

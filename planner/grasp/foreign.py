@@ -10,9 +10,9 @@ import numpy as np
 from topple.planner.grasp.stored import Key
 from topple.planner.grasp.tolerances import PAD_HALF
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.plugins import Table, expected
+from topple.topology.base.plugins import Table, check_kind
 from topple.topology.base.values import ByValue
 from topple.topology.io.limits import opened
 
@@ -46,7 +46,7 @@ class ForeignGrasps(ByValue):
 
     def __post_init__(self) -> None:
         for name in ("poses_tool_to_source", "scores", "widths"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+            object.__setattr__(self, name, freeze(getattr(self, name)))
 
     def __len__(self) -> int:
         """How many."""
@@ -105,8 +105,8 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
             pass
         if (found := GRASP_READERS.first(lambda reader: reader.reads(path))) is not None:
             # overflow: of what is then refused as no rigid transform
-            with GRASP_READERS.blamed(found[0]), np.errstate(over="ignore", invalid="ignore"):
-                return expected(found[1].read(path), ForeignGrasps)
+            with GRASP_READERS.blame(found[0]), np.errstate(over="ignore", invalid="ignore"):
+                return check_kind(found[1].read(path), ForeignGrasps)
     except OSError as error:
         raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
     raise InvalidInput(f"{path}: is no file of grasps: expected .npy, .npz or an isaac_grasp .yaml")

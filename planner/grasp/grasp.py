@@ -7,14 +7,14 @@ import numpy as np
 from topple.planner.grasp.shape import GRIPPERS
 from topple.robots.arm.gripper import FINGERS, Tool
 from topple.robots.poses import inverse
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.values import ByValue
 
 PINCH, RIM = "pinch", "rim"
 """Fingers take hold of an object's outside with both pads, or with one of them inside it."""
 
-HALF_TURN = frozen(np.diag([-1.0, -1.0, 1.0, 1.0]))
+HALF_TURN = freeze(np.diag([-1.0, -1.0, 1.0, 1.0]))
 """(4, 4) half a turn of the hand about its approach."""
 
 
@@ -56,7 +56,7 @@ class Grasp(ByValue):
     unseen: bool = False
 
     def __post_init__(self) -> None:
-        pose = frozen(self.pose_tool_to_world)
+        pose = freeze(self.pose_tool_to_world)
         object.__setattr__(self, "pose_tool_to_world", pose)
         if self.kind not in kinds():
             raise InvalidInput(

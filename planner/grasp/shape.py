@@ -15,7 +15,7 @@ from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH, WAY_LA
 from topple.robots.arm.gripper import Tool, ToolState
 from topple.robots.arm.tolerances import FINGER_SLABS, GRAVITY
 from topple.robots.collision.prisms import Prism, filled, prisms
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.plugins import Table
 from topple.topology.geometry.hull import Hull
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
     from topple.topology.situation.situation import Situation
 
-ACROSS = frozen(
+ACROSS = freeze(
     np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 )
 """(4, 4) a quarter turn of the hand about its approach."""

@@ -21,9 +21,9 @@ from topple.planner.motion.tolerances import (
     ROUNDED_LIMIT,
     ROUNDS,
 )
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Motion:
     seconds: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "path", frozen(self.path))
+        object.__setattr__(self, "path", freeze(self.path))
 
     @property
     def length(self) -> float:
@@ -346,4 +346,4 @@ def _direct_way_barred(checker: Checker, start: FloatArray, goal: FloatArray) ->
 
 def _says(contacts: tuple[Contact, ...]) -> str:
     worst = contacts[0]
-    return f"{worst.a} touches {worst.b} ({rounded(1e3 * max(-worst.distance, 0.0))} mm deep)"
+    return f"{worst.a} touches {worst.b} ({decimal(1e3 * max(-worst.distance, 0.0))} mm deep)"

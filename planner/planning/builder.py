@@ -35,7 +35,7 @@ from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.relations.relate import Relations
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -226,7 +226,7 @@ class PlanBuilder:
         pose = transfer.placement.pose_at_rest(self.up)
         context = self.context
         if transfer.placement.how is Away.ZONE:
-            there = {transfer.object: moved(self.situation.solids[transfer.object], pose)}
+            there = {transfer.object: move_parts(self.situation.solids[transfer.object], pose)}
             context = replace(context, obstacles={**context.obstacles, **there})
         self.context = replace(context, station=replace(context.station, q=transfer.q_end))
         self.situation = after(self.situation, transfer)

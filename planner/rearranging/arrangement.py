@@ -18,7 +18,7 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import up_of
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.load import AnyScene
 from topple.topology.scene.frame import in_frame
 from topple.topology.situation.situation import Situation
@@ -109,7 +109,7 @@ class Arrangement:
         for name in start.movable:
             found, clouds = self.fit(name, start), [each.scene.clouds[name] for each in (start, goal)]
             # along the axes of the frame: those of a square are any, and its diagonal is no edge
-            size, other = (np.ptp(each, axis=0) for each in (transformed(clouds[0], found.pose), clouds[1]))
+            size, other = (np.ptp(each, axis=0) for each in (move_points(clouds[0], found.pose), clouds[1]))
             longer = float(np.abs(size - other).max()) if whole else 0.0
             if max(longer - SIZES, found.residual - OTHER) > 0.0:
                 here, there = (" x ".join(f"{1e3 * each:.0f}" for each in sizes(cloud)) for cloud in clouds)

@@ -27,7 +27,7 @@ from topple.planner.rearranging.tolerances import MOST_LEARNED, RAISED, RISK_STE
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed, turned_to
+from topple.topology.geometry.rigid import move_points, turned_to
 from topple.topology.situation.situation import Situation
 
 Starting = Callable[[Move], Order]
@@ -126,7 +126,7 @@ class MoveChooser:
         surfaces = dict(self._situation.surfaces)
         for name in self._moving:
             pose = self._fits[name].pose
-            surfaces[name] = transformed(surfaces[name] @ upright, pose) @ upright.T
+            surfaces[name] = move_points(surfaces[name] @ upright, pose) @ upright.T
         staying = set(self._situation.movable) - set(self._moving)
         return precedences(self._situation, self._arrangement, taken, surfaces, staying)
 
@@ -173,7 +173,7 @@ class MoveChooser:
         """A placement, and those that look the same as the object is turned onto itself."""
         up, upright = self._situation.up, self._situation.statics.upright.rotation
         pose = place.pose_before_to_after
-        there = transformed(self._situation.surfaces[name] @ upright, pose)
+        there = move_points(self._situation.surfaces[name] @ upright, pose)
         middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
         angles = turns(there, up)
         found: list[Placement] = []
@@ -190,7 +190,7 @@ class MoveChooser:
     def _there(self, name: str) -> FloatArray:
         """(N, 3) what is seen of an object, where it shall be [m]."""
         pose = self._fits[name].pose
-        return transformed(self._scene.clouds[name], pose)
+        return move_points(self._scene.clouds[name], pose)
 
     def _learned_more(self, problem: Problem) -> bool:
         """Take down what has to make room for a move that failed, where some order heeds it."""

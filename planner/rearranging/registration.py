@@ -29,8 +29,8 @@ from topple.planner.rearranging.tolerances import (
 )
 from topple.planner.tolerances import DISTURBED, STEPS_ROUND, TURNED
 from topple.robots.poses import inverse
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
-from topple.topology.geometry.rigid import transformed, turned_to
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
+from topple.topology.geometry.rigid import move_points, turned_to
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree
 
@@ -52,7 +52,7 @@ class Registration:
     turn: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pose", frozen(self.pose))
+        object.__setattr__(self, "pose", freeze(self.pose))
 
     @property
     def stays(self) -> bool:
@@ -122,7 +122,7 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
         surface: (M, 3) points of all of it, hidden sides too [m].
         up: (3,) unit vector.
     """
-    there = transformed(surface, fit.pose)
+    there = move_points(surface, fit.pose)
     middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
     alike = (turned_to(about(up, angle), middle, middle) @ fit.pose for angle in turns(there, up))
     return min((_result(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
@@ -145,7 +145,7 @@ def _point_by_point(start: FloatArray, goal: FloatArray) -> Registration | None:
     if start.shape != goal.shape or len(start) < 3:
         return None
     pose = _rigid(start, goal)
-    left = float(np.linalg.norm(transformed(start, pose) - goal, axis=1).max())
+    left = float(np.linalg.norm(move_points(start, pose) - goal, axis=1).max())
     return _result(pose, start, left) if left < ALIKE else None
 
 
@@ -166,7 +166,7 @@ def _rigid(a: FloatArray, b: FloatArray) -> FloatArray:
 def _result(pose: FloatArray, start: FloatArray, residual: float) -> Registration:
     middle = (start.min(axis=0) + start.max(axis=0)) / 2.0
     turn = float(Rotation.from_matrix(pose[:3, :3]).magnitude())
-    return Registration(pose, residual, float(np.linalg.norm(transformed(middle, pose) - middle)), turn)
+    return Registration(pose, residual, float(np.linalg.norm(move_points(middle, pose) - middle)), turn)
 
 
 def _as_well(fits: Sequence[Registration], by: float) -> list[Registration]:
@@ -207,7 +207,7 @@ class _Pair:
 
     def _match(self, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points of the first cloud and those of the second that they are next to, from either side."""
-        there, nearest = self._near_b.query(transformed(self._a, pose))
+        there, nearest = self._near_b.query(move_points(self._a, pose))
         back, own = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])
         here, over = _near(there), _near(back)
         a = np.vstack([self._a[here], self._a[own[over]]])
@@ -215,7 +215,7 @@ class _Pair:
 
     def distance(self, pose: FloatArray) -> float:
         """Mean way from a point of either cloud to the nearest of the other, none counted as too far [m]."""
-        there = self._near_b.query(transformed(self._a, pose))[0]
+        there = self._near_b.query(move_points(self._a, pose))[0]
         back = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])[0]
         return float(np.minimum(np.concatenate([there, back]), FAR).mean())
 
@@ -225,7 +225,7 @@ class _Pair:
         if _tilt(pose, self._up) < LEVEL:
             middle = self._a.mean(axis=0)
             pose = self._best_heading(
-                self._refine(self._level(pose[:3, :3], middle, transformed(middle, pose)), True)
+                self._refine(self._level(pose[:3, :3], middle, move_points(middle, pose)), True)
             )
         return _result(pose, self._a, self.distance(pose))
 
@@ -239,7 +239,7 @@ class _Pair:
         while (left := self.distance(pose)) < best - ALIKE / 10.0:
             best = left
             for steps in (COARSELY, FINELY):
-                middle = transformed(self._a.mean(axis=0), pose)
+                middle = move_points(self._a.mean(axis=0), pose)
                 turned = [turned_to(about(self._up, angle), middle, middle) @ pose for angle in steps]
                 pose = min(
                     [pose, *map(self.shifted, sorted(turned, key=self.distance)[:2])], key=self.distance
@@ -251,7 +251,7 @@ class _Pair:
         for _ in range(rounds):
             a, b = self._match(pose)
             pose = pose.copy()
-            pose[:3, 3] += (b - transformed(a, pose)).mean(axis=0)
+            pose[:3, 3] += (b - move_points(a, pose)).mean(axis=0)
         return pose
 
     def _refine(self, pose: FloatArray, level: bool) -> FloatArray:

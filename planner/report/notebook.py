@@ -14,7 +14,7 @@ from topple.planner.report.palette import object_colours
 from topple.planner.report.plan_page import order_of, step_list
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import order_list, relation_table, sentence_list
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def order_cell(order: "Order") -> str:
 def plan_cell(plan: "Plan") -> str:
     """Show a plan in a notebook: the bodies it assumed, the way of the tool, and its steps."""
     clouds = {
-        thing.name: sampled([np.asarray(part) for part in thing.whole or thing.parts], LIMITS.parts)
+        thing.name: sample([np.asarray(part) for part in thing.whole or thing.parts], LIMITS.parts)
         for thing in plan.objects
     }
     lead = _lead("; ".join(plan.heading()))

@@ -25,7 +25,7 @@ from topple.planner.verify.verification import Verification
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene.scene import Scene
 
@@ -74,7 +74,7 @@ def plan_page(
     for thing in plan.objects:
         if thing.name in BODIES.values():  # stood there for the plan: cameras saw none of it
             parts = [np.array(part) for part in thing.parts]
-            drawing = drawing.beside(thing.name, sampled(parts, LIMITS.parts))
+            drawing = drawing.beside(thing.name, sample(parts, LIMITS.parts))
     shape, motion, order, bands, told = arm_shape(arm), plan_motion(plan, arm), order_of(plan), [], None
     if motion is not None:
         ends = [float(motion.times[last]) for last in motion.ends]

@@ -16,7 +16,7 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.scene.scene import Scene
 from topple.topology.statics.tolerances import LOWEST_SHARE
@@ -170,7 +170,7 @@ def _of_world(world: PhysicalWorld) -> State:
         np.array([0.0, 0.0, 1.0]) if gravity > 0 else None,
         {name: bodies[name].mass * gravity for name in world.movable},
         pushes,
-        {name: transformed(body.centre_of_mass, world.pose(name)) for name, body in bodies.items()},
+        {name: move_points(body.centre_of_mass, world.pose(name)) for name, body in bodies.items()},
         lambda name: np.vstack(world.parts(name)),
         motion,
     )

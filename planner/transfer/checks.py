@@ -18,8 +18,8 @@ from topple.robots.arm.torques import Strain, strain
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import Solids, moved
-from topple.topology.geometry.rigid import transformed
+from topple.topology.bodies.solids import Solids, move_parts
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.samples import volume_and_centre
 from topple.topology.situation.situation import Situation
 
@@ -77,7 +77,7 @@ class Checks:
         mass, centre = self.load
         to_flange = self.arm.tool_to_flange(grasp.tool) @ inverse(self.tool_pose(grasp))
         up = self.world_to_base[:3, :3] @ self.up
-        return strain(self.arm, q, up, mass, transformed(centre[None], to_flange)[0])
+        return strain(self.arm, q, up, mass, move_points(centre[None], to_flange)[0])
 
     # -- how the hand stands
 
@@ -119,7 +119,7 @@ class Checks:
         if key not in self._checkers:
             bodies = self.bodies if comes else self.others
             if leaves and placed and place is not None:
-                left = {name: moved(self.bodies[name], place.pose_before_to_after) for name in self.own}
+                left = {name: move_parts(self.bodies[name], place.pose_before_to_after) for name in self.own}
                 bodies = {**bodies, **left}
             self._checkers[key] = Checker(
                 self.arm,
@@ -176,7 +176,7 @@ class Checks:
     def _attachment(self, grasp: Grasp) -> Attachment:
         to_tool: FloatArray = np.linalg.inv(self.tool_pose(grasp)).astype(np.float64)
         parts = [part for name in self.own for part in self.bodies[name]]
-        return Attachment(moved(parts, to_tool), grasp.tool, self.name)
+        return Attachment(move_parts(parts, to_tool), grasp.tool, self.name)
 
 
 def _pairs(links: Iterable[str], objects: Collection[str]) -> list[frozenset[str]]:

@@ -7,7 +7,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.verify.replay import Finding, Piece, Replay
 from topple.planner.verify.tolerances import ROUNDED
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 
 Proven = tuple[Piece, Certificate, bool]
 """A piece in which the arm moves, its certificate, and whether it is nowhere closer than its plan says."""
@@ -19,11 +19,11 @@ def certificates(replay: Replay) -> tuple[Proven, ...]:
     for piece in replay.pieces:
         if piece.segment.motion is None:
             continue
-        held = [part for name, to_tool in piece.held.items() for part in moved(replay.parts[name], to_tool)]
+        held = [part for name, to in piece.held.items() for part in move_parts(replay.parts[name], to)]
         checker = Checker(
             replay.arm,
             replay.base,
-            {name: moved(replay.parts[name], pose) for name, pose in piece.poses.items()},
+            {name: move_parts(replay.parts[name], pose) for name, pose in piece.poses.items()},
             tool_state=piece.hand,
             attached=Attachment(tuple(held), piece.segment.tool, piece.step.object) if held else None,
             allow=piece.may_touch,

@@ -19,7 +19,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.poses import angle_between, inverse
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -175,7 +175,7 @@ class Replay:
         """Convex parts (V, 3) of an object where it is as a piece ends, in the hand or not."""
         held = name in piece.held
         tool = self.tools(piece, piece.states[-1:])[0] if held else np.eye(4)
-        return moved(self.parts[name], tool @ (piece.held if held else piece.poses)[name])
+        return move_parts(self.parts[name], tool @ (piece.held if held else piece.poses)[name])
 
     def _follow(self) -> Iterator[Piece]:
         q = np.array(self.plan.q_start)

@@ -14,7 +14,7 @@ from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.clouds import beyond_all
 from topple.planner.verify.replay import Finding, Piece, Replay
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.geometry.sides import joggled_sides
 
 
@@ -31,7 +31,7 @@ def let_go(replay: Replay) -> tuple[tuple[Piece, Settled], ...]:
         )
         bodies = {other: replay.body(piece, other) for other in piece.poses if other not in riding}
         if place.into is None and inside is None:
-            bodies[name] = moved(replay.wholes[name], piece.poses[name])
+            bodies[name] = move_parts(replay.wholes[name], piece.poses[name])
         release = np.eye(4)
         release[:3, 3] += place.drop * up
         around, sandbox = None if inside is None else bodies[inside], sandbox.fill(name, bodies, up)

@@ -19,7 +19,7 @@ from topple.robots.arm.tolerances import DENSITY, EFFORT, SPEED, TORQUE, TURNING
 from topple.robots.arm.urdf import Model, model_of
 from topple.robots.collision.convex import hull_of
 from topple.topology.base.arrays import FloatArray, IntArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 SHOWN = (".obj", ".stl", ".dae")  # visual meshes that PyBullet draws
 LIGHTEST, HEAVIEST = 0.01, 20.0  # [kg] of such a link
@@ -91,7 +91,7 @@ def _link(
     own = [] if name in carried else list(model.links[name].parts)
     for link, (carrier, pose) in carried.items():
         if carrier == name:
-            own += [transformed(part, pose) for part in model.links[link].parts]
+            own += [move_points(part, pose) for part in model.links[link].parts]
     hulls = [hull_of(part) for part in own if len(part)]
     inertial = element.find("inertial")
     if inertial is not None and _has_mass(inertial):

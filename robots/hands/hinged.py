@@ -32,7 +32,7 @@ from topple.robots.hands.tolerances import (
     WIDEST_TURN,
 )
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 def last_hinge(model: Model) -> Joint | None:
@@ -63,7 +63,7 @@ def hinged_jaw(model: Model, joint: Joint, given: Jaw | None = None) -> Tool | N
     fixed = [part - hinge for part in fixed]
 
     def turned(value: float) -> list[FloatArray]:
-        return [transformed(part, pose_of_joint(joint, value)) - hinge for part in moving]
+        return [move_points(part, pose_of_joint(joint, value)) - hinge for part in moving]
 
     tips = [_farthest(turned(value), axis) for value in (joint.lower, joint.upper)]
     reach = [max(float((part @ tip).max()) for part in fixed) / float(tip @ tip) for tip in tips]

@@ -32,7 +32,7 @@ from topple.robots.hands.tolerances import (
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool:
@@ -105,7 +105,7 @@ class _Hand:
         for link in self._groups[carrier][1:]:
             joint = self._model.joints[link]
             poses[link] = poses[joint.parent] @ joint.pose_child_to_parent
-            found += [transformed(part, poses[link]) for part in self._model.links[link].parts]
+            found += [move_points(part, poses[link]) for part in self._model.links[link].parts]
         return found
 
     def _parts(self, carrier: str, values: Mapping[str, float]) -> list[FloatArray]:
@@ -114,7 +114,7 @@ class _Hand:
         while link != self._fingers.palm:
             joint = self._model.joints[link]
             pose, link = pose_of_joint(joint, joint_value(joint, values)) @ pose, joint.parent
-        return [transformed(part, pose) for part in self._shape(carrier)]
+        return [move_points(part, pose) for part in self._shape(carrier)]
 
     def _middle(self, carrier: str, values: Mapping[str, float]) -> FloatArray:
         """Middle of a group's extent (3,) in the palm's frame."""

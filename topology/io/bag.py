@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts
 from topple.topology.io.labelled import parts_from_labelled
 from topple.topology.io.limits import check_size, opened
@@ -199,7 +199,7 @@ class _Bag:
         if stream.info is None or stream.labels is None:
             points, labels = labelled_points(message, where)
             pose = arrays.pop("pose_camera_to_world")
-            arrays |= {"points": transformed(points, pose), "labels": labels, "viewpoints": pose[None, :3, 3]}
+            arrays |= {"points": move_points(points, pose), "labels": labels, "viewpoints": pose[None, :3, 3]}
             parts = parts_from_labelled(arrays)
         else:
             masks, apart = self._nearest(stream.labels, moment[0])

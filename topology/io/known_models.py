@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import BoolArray, FloatArray, rounded
+from topple.topology.base.arrays import BoolArray, FloatArray, round_off
 from topple.topology.bodies.model_registration import Excluded, register
 from topple.topology.bodies.tolerances import (
     AGREED,
@@ -21,7 +21,7 @@ from topple.topology.bodies.tolerances import (
     SEEN_THROUGH,
 )
 from topple.topology.bodies.tops import tops_of
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.thin import thinned
 from topple.topology.io.model_files import meant_by, model_files, read_model
 from topple.topology.scene.cloud import clean
@@ -74,9 +74,9 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
         fit = fits[name] = replace(fit, seen=scene.seen(name), refused=_refusal(fit, len(seen)))
         notes.append(_sentence(name, fit))
         if fit.refused is None:
-            clouds[name] = rounded(transformed(points, fit.pose_model_to_world))
+            clouds[name] = round_off(move_points(points, fit.pose_model_to_world))
             if faces is not None:
-                meshes[name] = Mesh(transformed(vertices, fit.pose_model_to_world), faces)
+                meshes[name] = Mesh(move_points(vertices, fit.pose_model_to_world), faces)
     if without:
         notes.append(f"no model in {os.fspath(folder)} is called as {', '.join(without)}: kept as seen")
     return Scene(

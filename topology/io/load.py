@@ -12,7 +12,7 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import Names, as_direction, as_names
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.plugins import Table, expected
+from topple.topology.base.plugins import Table, check_kind
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.limits import allowing
 from topple.topology.scene.scene import Scene
@@ -163,8 +163,8 @@ def _read(path: Path, options: dict[str, Any]) -> Parts:
         if known and (found := READERS.first(lambda reader: reader.reads(path))) is not None:
             name, reader = found
             _check_options(name, reader, options)
-            with READERS.blamed(name):
-                return expected(reader.read(path, **options), Parts)
+            with READERS.blame(name):
+                return check_kind(reader.read(path, **options), Parts)
     except OSError as error:
         raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
     raise InvalidInput(

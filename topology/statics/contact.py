@@ -14,7 +14,7 @@ from topple.topology.base.arrays import (
     sum_of_rows,
     within_corners,
 )
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.bodies.upright import Upright
@@ -204,7 +204,7 @@ def _near_pairs(
     return [(names[i], names[j]) for i, j in sorted(pairs)]
 
 
-@remembered(KEPT_PAIRS)
+@remember(KEPT_PAIRS)
 def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: float) -> Contact | None:
     """Contact of an object with a table top."""
     over, heights = plane.over(points), plane.heights(points)
@@ -249,10 +249,10 @@ def _contact(a: str, b: str, first: FloatArray, second: FloatArray, reach: float
     return _meeting_at(a, b, first, second, candidates, reach) if len(candidates) else None
 
 
-_tree_of = remembered(KEPT_BODIES)(PointTree)
+_tree_of = remember(KEPT_BODIES)(PointTree)
 
 
-@remembered(KEPT_PAIRS)
+@remember(KEPT_PAIRS)
 def _meeting_at(
     a: str, b: str, first: FloatArray, second: FloatArray, candidates: FloatArray, reach: float
 ) -> Contact | None:

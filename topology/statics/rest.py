@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from topple.topology.base.arrays import BoolArray, FloatArray, bounds, middle_of
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.surfaces import surfaces_of
@@ -213,7 +213,7 @@ def _closed_gaps(
     ]
 
 
-@remembered(KEPT_BODIES)
+@remember(KEPT_BODIES)
 def weigh(points: FloatArray, mass: float | None = None, centre: FloatArray | None = None) -> Weight:
     """Guess weight and centre of mass of a body from its surface, as far as they are not known.
 

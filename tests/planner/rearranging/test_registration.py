@@ -13,7 +13,7 @@ from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, bowl, box, can, fork, mug, spoon
 from topple.robots.world.bodies import Body
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 UP = np.array([0.0, 0.0, 1.0])
 SHAPES = [bowl(), spoon(), fork(), mug(), box(), can()]
@@ -111,9 +111,9 @@ def test_what_was_moved_meanwhile_comes_to_the_same_place_and_what_was_seen_anew
     before, goal = rng.uniform(-0.05, 0.05, (2, 400, 3))
     known = registered(before, goal, UP)
     meanwhile = pose_at(0.1, -0.2, 0.03, Rotation.from_euler("xyz", [0.2, -0.1, 1.0]))
-    now = transformed(before, meanwhile)
+    now = move_points(before, meanwhile)
     left = remaining(known, before, now)
     assert left is not None
-    assert np.allclose(transformed(now, left.pose), transformed(before, known.pose), atol=1e-9)
+    assert np.allclose(move_points(now, left.pose), move_points(before, known.pose), atol=1e-9)
     assert remaining(known, before, now + rng.normal(0, 0.002, now.shape)) is None
     assert remaining(known, before, now[:-1]) is None

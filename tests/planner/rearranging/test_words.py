@@ -13,7 +13,7 @@ from topple.robots.shapes import bowl, box, can, lemon, plate, spoon
 from topple.robots.world.world import World
 from topple.topology import InvalidInput, Scene, UnknownObject
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.situation.situation import Situation
 
 SCENE = on_table(
@@ -127,7 +127,7 @@ def test_what_leans_on_the_rim_of_a_plate_is_not_on_it():
         world.settle(3.0)
         poses = world.poses()
     rng, clouds = np.random.default_rng(0), {"table": table(0.4)}
-    clouds |= {body.name: transformed(body.surface(4000, rng), poses[body.name]) for body in (dish, tin)}
+    clouds |= {body.name: move_points(body.surface(4000, rng), poses[body.name]) for body in (dish, tin)}
     leaning = Scene(clouds, fixed=["table"], up=[0, 0, 1])
     carriers = {each.supporter for each in Situation(leaning).supports if each.supported == "can"}
     assert carriers == {"table", "plate"} and 0.2 < poses["can"][2, 2] < 0.8

@@ -23,7 +23,7 @@ from topple.robots.engines import playing_on
 from topple.robots.world.bodies import joined
 from topple.testing import assert_stands
 from topple.topology import InvalidInput, Mesh, Scene
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.geometry import sampled_mesh
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -192,7 +192,7 @@ def test_pybullet_scenes_at_rest_stand():
     for seed in range(9000, 9006):
         _, resting = designed(seed)
         meshes = {
-            body.name: Mesh(transformed(whole.vertices, resting.poses[body.name]), whole.faces)
+            body.name: Mesh(move_points(whole.vertices, resting.poses[body.name]), whole.faces)
             for body in resting.bodies
             if (whole := joined([hull_of(part) for part in body.parts]))
         }
