@@ -31,7 +31,7 @@ def pose_from(position: Sequence[float], quaternion: Sequence[float]) -> FloatAr
 
 
 def position_and_quaternion(pose: FloatArray) -> tuple[list[float], list[float]]:
-    """Position (3,) [m] and quaternion (4,), x y z w, of a (4, 4) pose, as engines take it, by `round_off`."""
+    """Position (3,) [m] and quaternion (4,), x y z w, of a (4, 4) pose, for engines, by `round_off`."""
     return round_off(pose[:3, 3]).tolist(), round_off(Rotation.from_matrix(pose[:3, :3]).as_quat()).tolist()
 
 

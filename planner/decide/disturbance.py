@@ -78,7 +78,7 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
         What was found of those that hang together, or of which one lies over the other.
     """
     statics = situation.statics
-    seen, touching = statics.upright.clouds, statics.touching
+    seen, touching = statics.upright.clouds, statics.touch_normals
     outwards = {then: situation.outwards(then) for then in situation.movable}
     over, unheld = _overhangs(statics, outwards), _unheld_shares(statics)
     depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
@@ -156,7 +156,7 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     if statics.sight is not None:
         return statics.unsteady_without(away, held)
     lost = {name: far - 1.0 for name, far in statics.fallen_without(away, held).items()}
-    touching = statics.touching
+    touching = statics.touch_normals
     normals = {name: [touching[gone, name] for gone in away if (gone, name) in touching] for name in lost}
     lowest = min((statics.weights[name].centre[2] for name in away), default=-np.inf)
     below = {name for name in lost if not normals[name] and statics.weights[name].centre[2] < lowest}

@@ -14,7 +14,7 @@ from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.plugins import Table, check_kind
 from topple.topology.base.values import ByValue
-from topple.topology.io.limits import opened
+from topple.topology.io.limits import open_file
 
 GRASPNET_COLUMNS = 17  # score, width, height, depth, rotation (9), translation (3), object
 
@@ -101,7 +101,7 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
     """
     path = Path(path)
     try:
-        with opened(path, str(path)):  # a pipe would be waited for
+        with open_file(path, str(path)):  # a pipe would be waited for
             pass
         if (found := GRASP_READERS.first(lambda reader: reader.reads(path))) is not None:
             # overflow: of what is then refused as no rigid transform

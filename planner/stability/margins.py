@@ -17,7 +17,7 @@ from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import inset
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import balance, demanded, force_columns, islands, rising
+from topple.topology.statics.equilibrium import balance, by_height, demand_of, force_columns, islands
 from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 
 Direction = tuple[float, float, float]
@@ -71,7 +71,7 @@ class Island:
     def __init__(self, footing: Footing, names: Collection[str], contacts: Sequence[Contact]) -> None:
         """Keep the equations of the objects; everything else is fixed."""
         self._footing = footing
-        self.weights = rising({name: footing.weights[name] for name in names})
+        self.weights = by_height({name: footing.weights[name] for name in names})
         self.names = tuple(self.weights)
         self.contacts = [c for c in contacts if c.a in self.weights or c.b in self.weights]
 
@@ -112,7 +112,7 @@ class Island:
         columns = block_diag(each, format="csc")
         price, upper = np.zeros(len(loads) * (count + 1)), np.full(len(loads) * (count + 1), np.inf)
         price[count :: count + 1], upper[count :: count + 1] = -sign, limit
-        demand: Any = np.tile(demanded(height), len(loads))
+        demand: Any = np.tile(demand_of(height), len(loads))
         bounds: Any = Bounds(0.0, upper)  # type: ignore[arg-type]
         equal = LinearConstraint(columns, demand, demand)
         found = milp(price, constraints=equal, bounds=bounds, options={"presolve": False})

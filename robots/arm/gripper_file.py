@@ -14,7 +14,7 @@ from topple.robots.arm.tolerances import CUP_FRICTION, MOST_BYTES
 from topple.robots.arm.urdf import Model
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.io.limits import opened
+from topple.topology.io.limits import open_file
 
 EXAMPLE = (
     '[cup] with link = "LINK", offset = [0, 0, 0.1] and radius = 0.015, or [jaw] with joints = ["JOINT"]'
@@ -136,7 +136,7 @@ def read_gripper(path: str | Path) -> GripperFile:
     tomllib: Any = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
     path = Path(path)
     try:
-        with opened(path, str(path)) as file:
+        with open_file(path, str(path)) as file:
             content = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise InvalidInput(

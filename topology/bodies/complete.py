@@ -250,7 +250,7 @@ def _round_of(seen: _Seen, box: Box, sight: FreeSpace | None, floor: float) -> S
     """The ball, spheroid or cylinder that a body is; None where it is none."""
     fit = round_body(seen.fits, _off(box, seen), floor)
     # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
-    out = fit is None or sight is None or sight.facing(seen.points, fit.outward(seen.points)).mean() > OUTSIDE
+    out = fit is None or sight is None or sight.faces(seen.points, fit.outward(seen.points)).mean() > OUTSIDE
     return fit if out else None
 
 

@@ -18,10 +18,10 @@ from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts
 from topple.topology.io.labelled import parts_from_labelled
-from topple.topology.io.limits import check_size, opened
+from topple.topology.io.limits import check_size, open_file
 from topple.topology.io.pcd import LABELS
 from topple.topology.io.picture import read_picture
-from topple.topology.io.recording import recording
+from topple.topology.io.recording import open_recording
 from topple.topology.io.rgbd import parts_from_rgbd
 from topple.topology.io.tolerances import APART, SAME_PLACE
 from topple.topology.io.transforms import intrinsics_of, labels_from, pose_in, to_root
@@ -42,7 +42,7 @@ def reads(path: Path) -> bool:
     """Tell one by how it begins, or a folder of ROS 2 by its metadata."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file()
-    with opened(path, "the recording") as file:
+    with open_file(path, "the recording") as file:
         return file.read(16).startswith(_MAGIC)
 
 
@@ -70,7 +70,7 @@ def read(
         InvalidInput: A topic is not there or of another type, a message is broken, or nothing fits together.
         NotInstalled: The package rosbags is not there.
     """
-    with recording(path) as reader:
+    with open_recording(path) as reader:
         bag = _Bag(reader)
         stream = bag.stream(depth, info, labels)
         moments = bag.moments(stream.depth)
@@ -103,7 +103,7 @@ def frames(
         InvalidInput: As for `read`.
         NotInstalled: As for `read`.
     """
-    with recording(path) as reader:
+    with open_recording(path) as reader:
         bag = _Bag(reader)
         stream = bag.stream(depth, info, labels)
         for moment in bag.moments(stream.depth):

@@ -112,13 +112,13 @@ def _space_excluded(scene: Scene, seen: FloatArray, sight: FreeSpace | None) -> 
     found = [] if up is None else [tops_of(scene.clouds[name], up).under(seen) for name in scene.fixed]
     grounds = [top for top in found if top is not None]
 
-    def excluded(places: FloatArray) -> BoolArray:
+    def exclude(places: FloatArray) -> BoolArray:
         barred = np.zeros(len(places), dtype=np.bool_) if sight is None else sight.empty(places, SEEN_THROUGH)
         for ground in grounds:
             barred |= ground.above(places) < -INTO
         return barred
 
-    return excluded
+    return exclude
 
 
 def _refusal(fit: ModelFit, points: int) -> str | None:

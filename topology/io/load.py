@@ -14,7 +14,7 @@ from topple.topology.base.checks import Names, as_direction, as_names
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.plugins import Table, check_kind
 from topple.topology.io.assemble import Parts, assemble
-from topple.topology.io.limits import allowing
+from topple.topology.io.limits import allow
 from topple.topology.scene.scene import Scene
 
 
@@ -111,7 +111,7 @@ def load_scene(
     if isinstance(models, bool):
         options["models"] = models
     try:
-        with allowing(most_bytes, None if allow_outside else place):
+        with allow(most_bytes, None if allow_outside else place):
             parts = _read(place, options)
             scene = assemble(
                 parts, as_names(fixed), given_up if up is None else up,
@@ -121,7 +121,7 @@ def load_scene(
                 return scene
             from topple.topology.io.known_models import with_models  # which few ask for
 
-        with allowing(most_bytes, None if allow_outside else Path(models)):
+        with allow(most_bytes, None if allow_outside else Path(models)):
             return with_models(scene, models)
     except InvalidInput as error:
         _name_the_file(error, os.fspath(path))

@@ -8,7 +8,7 @@ from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
-from topple.topology.io.limits import allowing_below, read_text
+from topple.topology.io.limits import allow_below, read_text
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene.mesh import Mesh
 
@@ -42,7 +42,7 @@ def read(path: Path) -> Parts:
     if not isinstance(listed, list) or not listed:
         raise InvalidInput(f"it lists no objects: expected {_EXPECTED}")
     parts = Parts({}, **{key: described[key] for key in _KNOWN if key in described})
-    with allowing_below(path.parent):
+    with allow_below(path.parent):
         for number, entry in enumerate(cast(list[Any], listed)):
             _add(parts, path.parent, number, entry)
     return parts

@@ -73,7 +73,7 @@ class _View:
     standing: FloatArray
     ground: FloatArray
 
-    def moved(self, pose: FloatArray) -> "_View":
+    def move(self, pose: FloatArray) -> "_View":
         """The view at another place: (4, 4) from where it is believed to be."""
         image = replace(self.image, pose_camera_to_world=pose @ self.image.pose_camera_to_world)
         return _View(image, move_points(self.standing, pose), move_points(self.ground, pose))
@@ -116,7 +116,7 @@ def register(
                 f"{name} does not fit the views before it: {why}; give a pose_camera_to_world closer than "
                 f"{100 * TOLERANCES.reach:.0f} cm, or a view that shares more with the others"
             )
-        placed.append(view.moved(pose))
+        placed.append(view.move(pose))
         found.append(fit)
     return tuple(view.image for view in placed), tuple(found)
 
@@ -198,7 +198,7 @@ def _refine(gicp: ModuleType, placed: Sequence[_View], view: _View, pose: FloatA
 
 def _fit(placed: Sequence[_View], view: _View, pose: FloatArray) -> Registration:
     """How well a view at a pose (4, 4) fits those that are placed."""
-    moved = view.moved(pose)
+    moved = view.move(pose)
     ways = [(other.image, moved.standing) for other in placed]
     ways += [(moved.image, other.standing) for other in placed]
     each = np.concatenate([image.depth_past(points) for image, points in ways])

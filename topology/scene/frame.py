@@ -34,7 +34,7 @@ def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> S
     )
 
 
-def enlarged(scene: Scene, factor: float) -> Scene:
+def enlarge(scene: Scene, factor: float) -> Scene:
     """Give a scene in which everything is larger by a factor, masses by its cube.
 
     Args:
@@ -55,7 +55,7 @@ def enlarged(scene: Scene, factor: float) -> Scene:
     )
 
 
-def shifted(scene: Scene, shifts: Mapping[str, FloatArray]) -> Scene:
+def shift_objects(scene: Scene, shifts: Mapping[str, FloatArray]) -> Scene:
     """Give a scene of whole surfaces with some objects elsewhere, their meshes and centres with them.
 
     Args:

@@ -21,7 +21,7 @@ from topple.topology.geometry.samples import sample
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.relations.relate import Relations, relate
 from topple.topology.scene.cloud import unit_of
-from topple.topology.scene.frame import enlarged
+from topple.topology.scene.frame import enlarge
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.evidence import Evidence, Pixel
 from topple.topology.sixim.table import classify
@@ -118,7 +118,7 @@ class Situation:
         unit = unit_of(self.scene)
         if unit == 1.0:
             return self
-        return Situation(enlarged(self.scene, 1.0 / unit), self.relations, unit=unit)
+        return Situation(enlarge(self.scene, 1.0 / unit), self.relations, unit=unit)
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -244,7 +244,7 @@ class Situation:
         bodies = surfaces_of(self.scene)
         if bodies.sight is None:
             return np.ones(len(places), dtype=np.bool_)
-        return bodies.sight.shown(places @ bodies.upright.rotation.T, slack)
+        return bodies.sight.shows(places @ bodies.upright.rotation.T, slack)
 
     def between(self, a: str, b: str) -> Evidence:
         """The relation of two objects as they lie, and where the pictures show it."""

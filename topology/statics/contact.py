@@ -131,7 +131,7 @@ def find_contacts(
         if len(sides[ground]):
             touching.append(_contact(a, b, sides[a], sides[b], reach))
         found += _join_patches([contact for contact in touching if contact is not None])
-    return tuple(rubbing(contact, upright.friction) for contact in found)
+    return tuple(with_friction(contact, upright.friction) for contact in found)
 
 
 def _by_height(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str]:
@@ -139,7 +139,7 @@ def _by_height(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str
     return sorted(surfaces, key=lambda name: (name not in upright.fixed, float(surfaces[name][:, 2].mean())))
 
 
-def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str) -> tuple[Contact, ...]:
+def close_gap(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str) -> tuple[Contact, ...]:
     """The contact that two bodies would have if the gap between them were none: where they come nearest.
 
     Args:
@@ -163,7 +163,7 @@ def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str)
     )
 
 
-def rubbing(contact: Contact, friction: Mapping[str, float]) -> Contact:
+def with_friction(contact: Contact, friction: Mapping[str, float]) -> Contact:
     """The contact with the friction of its two surfaces, as far as that is known.
 
     Args:

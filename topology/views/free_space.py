@@ -72,7 +72,7 @@ class FreeSpace:
         """(k, 3) centres of all cameras [m]."""
         self._clouds = dict(clouds)
 
-    def replaced(self, clouds: Mapping[str, FloatArray]) -> "FreeSpace":
+    def with_clouds(self, clouds: Mapping[str, FloatArray]) -> "FreeSpace":
         """The free space once some objects have other clouds; images stay what they are.
 
         Args:
@@ -116,7 +116,7 @@ class FreeSpace:
                 found |= past > margin
         return found
 
-    def shown(self, places: FloatArray, slack: float) -> BoolArray:
+    def shows(self, places: FloatArray, slack: float) -> BoolArray:
         """Which places a camera saw, or a surface there: what is hidden by less than noise is not.
 
         Args:
@@ -136,7 +136,7 @@ class FreeSpace:
             )  # clouds say nothing where they have no points
         return found
 
-    def facing(self, places: FloatArray, outward: FloatArray) -> BoolArray:
+    def faces(self, places: FloatArray, outward: FloatArray) -> BoolArray:
         """Which places of a surface are on a side of it that a camera looks at.
 
         Args:
