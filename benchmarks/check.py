@@ -20,7 +20,7 @@ from topple.benchmarks.truth.resting import FRICTION, RestingScene
 from topple.planner.stability.check import check
 from topple.robots import shapes
 from topple.robots.collision.convex import hull_of
-from topple.robots.world.bodies import Body, joined
+from topple.robots.world.bodies import Body, join_meshes
 from topple.robots.world.world import World
 from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.rigid import move_points
@@ -52,7 +52,7 @@ Spoil = Callable[[np.random.Generator, Body], tuple[Placed, str]]
 
 
 def _mesh(body: Body, pose: FloatArray) -> Mesh:
-    whole = joined([hull_of(part) for part in body.parts])
+    whole = join_meshes([hull_of(part) for part in body.parts])
     return Mesh(move_points(whole.vertices, pose), whole.faces)
 
 
@@ -121,7 +121,7 @@ def _slope(kind: str, least: float, most: float, verdict: str) -> Spoil:
         if kind == "ball":
             radius = rng.uniform(0.02, 0.04)
             ball = shapes.ball("odd", diameter=2 * radius)
-            whole = joined([hull_of(part) for part in ball.parts])
+            whole = join_meshes([hull_of(part) for part in ball.parts])
             somehow = Rotation.from_rotvec(rng.uniform(-3, 3, 3))
             corners = somehow.apply(whole.vertices - whole.vertices.mean(axis=0))
             odd = Mesh(corners + top - up * float((corners @ up).min()), whole.faces)

@@ -47,7 +47,7 @@ def taking_apart(
             order[begin : begin + len(part)] = [name for unit in taken for name in unit]
             holds += [
                 replace(
-                    held(name, taken[since][0], taken[until][-1], taken[since][0], full, situation),
+                    explain_hold(name, taken[since][0], taken[until][-1], taken[since][0], full, situation),
                     fixture=name in clamped,
                 )
                 for name, (since, until) in sorted(found.held.items(), key=lambda each: each[1])
@@ -90,7 +90,7 @@ def removals(
     return [unit[::-1] for unit in units], Prefixes(built.path[::-1], spans, built.proven)
 
 
-def held(
+def explain_hold(
     name: str, since: str, until: str, without: str, removals: DependencyGraph, situation: Situation
 ) -> Hold:
     """A hold with its reason.
@@ -123,11 +123,11 @@ def _falling_of(
         if edge.first not in falls(there - {edge.then}, frozenset())
     ]
 
-    def falling(placed: Names, held: Names) -> Names:
+    def falls_then(placed: Names, held: Names) -> Names:
         told = {first for first, then in unseen if then not in placed} - held
         return placed & (told | frozenset(falls(rest | placed, held))) - anyway
 
-    return falling
+    return falls_then
 
 
 def _falling_as_graphs_ask(statics: Statics) -> Falling:

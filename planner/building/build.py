@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 
-from topple.planner.building.apart import held
+from topple.planner.building.apart import explain_hold
 from topple.planner.building.prefixes import Falling, Names, fewest_holds, in_units
 from topple.planner.building.standing import falling_in, meeting_in
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.assumptions import assumptions
-from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, reasoned
+from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, reason_out
 from topple.planner.decide.hold import Hold
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput
@@ -97,7 +97,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")
     check_up(scene, statics)
-    full, chances = reasoned(situation)
+    full, chances = reason_out(situation)
     over = [(then, first) for first, then in full.swept()]
     meeting, falling = meeting_in(statics), falling_in(statics)
     low = {name: float(statics.surfaces[name][:, 2].min()) for name in scene.movable}
@@ -114,7 +114,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
         steps += [name for unit in chosen for name in unit]
         groups += [unit for unit in chosen if len(unit) > 1]
         holds += [
-            held(name, chosen[first][-1], chosen[last][-1], chosen[last][-1], full, situation)
+            explain_hold(name, chosen[first][-1], chosen[last][-1], chosen[last][-1], full, situation)
             for name, (first, last) in sorted(found.held.items(), key=lambda each: each[1])
         ]
         proven = proven and found.proven

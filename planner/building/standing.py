@@ -32,7 +32,7 @@ def falling_in(statics: Statics) -> Falling:
     shaken = [_with_weights(statics, centred, shift) for shift in aside(OFF_CENTRE)]
 
     @cache
-    def falling(placed: Names, held: Names) -> Names:
+    def falls(placed: Names, held: Names) -> Names:
         away = every - placed
         if not away:
             return frozenset()
@@ -40,7 +40,7 @@ def falling_in(statics: Statics) -> Falling:
             return frozenset(sunk)
         return frozenset(name for each in shaken for name in each.unsteady_without(away, held))
 
-    return falling
+    return falls
 
 
 def meeting_in(statics: Statics) -> "nx.Graph[str]":

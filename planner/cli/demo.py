@@ -54,9 +54,9 @@ def execute(args: argparse.Namespace) -> int:
 
 def _list(as_json: bool) -> int:
     """Print every scene with the first line of what it is."""
-    from topple.robots.scenarios import SCENARIOS, described
+    from topple.robots.scenarios import SCENARIOS, describe
 
-    found = {name: described(name) for name in SCENARIOS}
+    found = {name: describe(name) for name in SCENARIOS}
     if as_json:
         print_json({"format": "topple.scenes", "format_version": 1, "scenes": found})
     else:

@@ -163,7 +163,7 @@ class Kept(JsonLines):
         self.codes[entry["scene"]] = self._code_of(entry)
 
 
-def stored(as_json: bool, kept: Kept | None, path: str, document: Mapping[str, Any]) -> bool:
+def store(as_json: bool, kept: Kept | None, path: str, document: Mapping[str, Any]) -> bool:
     """Store the answer to a scene in the file of `-o`, or print it as JSON with `--json`.
 
     Args:

@@ -179,7 +179,7 @@ def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     return scene
 
 
-def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
+def read_goal(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
     """Read the goal of --to: words, a document of relations, or a scene.
 
     Args:
@@ -230,7 +230,7 @@ def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
             SameShapesTask,
         )
 
-        scene = finished(Reading.of(args), args.to)
+        scene = read_goal(Reading.of(args), args.to)
         if isinstance(scene, str):
             return DescribedTask(scene)
         if isinstance(scene, dict):

@@ -116,12 +116,12 @@ def without_cascades(
     before: nx.DiGraph[str] = nx.DiGraph(list(edges))
 
     @cache
-    def fallen(away: frozenset[str]) -> Collection[str]:
+    def fall_of(away: frozenset[str]) -> Collection[str]:
         return fallen_without(statics, away).keys()
 
     def still(first: str, then: str) -> bool:
         others = nx.ancestors(nx.restricted_view(before, [first], []), then)
-        return not others or first in fallen(frozenset({then, *others}))
+        return not others or first in fall_of(frozenset({then, *others}))
 
     thrown = [pair for pair in edges if not asked[pair].meets and not still(*pair)]
     return {**asked} | {pair: replace(asked[pair], unheld=0.0) for pair in thrown}

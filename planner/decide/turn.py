@@ -30,7 +30,7 @@ class Ahead:
         gone = set(chosen.order) - set(left)
         return Ahead(tuple(name for name in chosen.targets if name not in gone), left)
 
-    def changed(self, chosen: Order) -> str | None:
+    def change_to(self, chosen: Order) -> str | None:
         """How a later order differs, in words.
 
         Args:

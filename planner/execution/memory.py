@@ -88,7 +88,7 @@ class Memory:
         alone = handled if success and chosen.action is not Action.PLACE else ()
         beliefs = self.beliefs.after(chosen.order.chances, handled | set(surprises), alone)
         changed = {*changed, *(handled if success else ())}
-        return replace(self, beliefs=beliefs.taught(changed, moved, chosen.transfer.object))
+        return replace(self, beliefs=beliefs.learn(changed, moved, chosen.transfer.object))
 
     def context(self, asked: Context, most: int) -> Context:
         """Make the context in which the next step is chosen.

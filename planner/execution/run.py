@@ -20,8 +20,8 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.poses import inverse
-from topple.robots.world.film import filmed
-from topple.robots.world.lerobot import demonstrated
+from topple.robots.world.film import film_of
+from topple.robots.world.lerobot import demonstration_in
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import as_pose
@@ -118,7 +118,7 @@ def run(
             progress=progress,
         )  # fmt: skip
         eye = stage.cameras[0]
-        with filmed(video, acting, eye), demonstrated(lerobot, acting, eye) as demonstration:
+        with film_of(video, acting, eye), demonstration_in(lerobot, acting, eye) as demonstration:
             record = loop.run()
             if demonstration is not None:
                 demonstration.end(record.goal, record.success)

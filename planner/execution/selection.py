@@ -141,7 +141,7 @@ class StepSelector:
 
     def changes(self, chosen: NextStep) -> list[str]:
         """How a step differs from what was to come by the look before."""
-        changed = None if self._ahead is None else self._ahead.changed(chosen.order)
+        changed = None if self._ahead is None else self._ahead.change_to(chosen.order)
         return [] if changed is None else [f"The look before it changed the order: {changed}."]
 
     def record_action(self, chosen: NextStep, outcome: Outcome) -> int:

@@ -33,7 +33,7 @@ from topple.planner.grasp.tolerances import (
 from topple.planner.grasp.widen import widened
 from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.arm.jaw import ParallelJaw
-from topple.robots.collision.prisms import filled
+from topple.robots.collision.prisms import fill_prisms
 from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.hull import Hull
@@ -132,7 +132,7 @@ class Jaw(HandShape):
     def filled(self, grasps: Sequence[Grasp], length: float, layers: int) -> FloatArray:
         """Points (G, N, 3) in both open fingers, some metres back from their fronts, in the tool frames."""
         half = np.array([grasp.opening / 2.0 for grasp in grasps])[:, None, None] * np.array([0.0, 1.0, 0.0])
-        right = filled(self.finger, length, layers) + half
+        right = fill_prisms(self.finger, length, layers) + half
         return np.concatenate([right, right * np.array([1.0, -1.0, 1.0])], axis=1)
 
     def stand_in(self, grasps: Sequence[Grasp], solid: Sequence[Hull]) -> BoolArray:

@@ -14,7 +14,7 @@ from topple.planner.grasp.surroundings import Dropped, Surroundings, surrounding
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH, WAY_LAYERS, GraspTolerances
 from topple.robots.arm.gripper import Tool, ToolState
 from topple.robots.arm.tolerances import FINGER_SLABS, GRAVITY
-from topple.robots.collision.prisms import Prism, filled, prisms
+from topple.robots.collision.prisms import Prism, fill_prisms, prisms
 from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.plugins import Table
 from topple.topology.geometry.hull import Hull
@@ -175,7 +175,7 @@ class Shape(ABC):
 
     def filled(self, grasps: Sequence["Grasp"], length: float, layers: int) -> FloatArray:
         """Points (G, N, 3) of what has to be seen on the way in, some metres back from the front [m]."""
-        return np.tile(filled(self.body, length, layers), (len(grasps), 1, 1))
+        return np.tile(fill_prisms(self.body, length, layers), (len(grasps), 1, 1))
 
     def stand_in(self, grasps: Sequence["Grasp"], solid: Sequence[Hull]) -> BoolArray:
         """(G,) whose hands would stand in what their object fills."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.budget import bounded
+from topple.planner.budget import within_budget
 from topple.planner.building.apart import taking_apart
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
@@ -16,7 +16,7 @@ from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import (
     DependencyGraph,
     dependencies,
-    reasoned,
+    reason_out,
     with_fixture,
     with_measured,
 )
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @checked_arguments
-@bounded
+@within_budget
 def order(
     scene: AnyScene | Situation,
     targets: Collection[str] | str | None = None,
@@ -114,7 +114,7 @@ def order(
     if check_gravity:
         check_up(sized.scene, statics)
     beliefs = beliefs or Beliefs()
-    full, chance = reasoned(situation)
+    full, chance = reason_out(situation)
     full = with_measured(full, beliefs.measured, situation)
     check_masks(situation, wanted, full)
     notes: dict[str, Any] = {}
@@ -133,7 +133,7 @@ def order(
     if fixture:
         full, chance = _kept_still(full, chance, statics, fixture)
     edges, chance = {(edge.first, edge.then) for edge in full.dependencies}, FrozenDict(chance)
-    risked = beliefs.weighed(chance, edges) if beliefs.chances or beliefs.alone else chance
+    risked = beliefs.weigh(chance, edges) if beliefs.chances or beliefs.alone else chance
     found = arrange(full.reduced(), wanted, tops, sized.supports, said, risked, removal_risk, apart)
     found = replace(found, verified=verify, chances=chance, notes=FrozenDict(notes))
     found = replace(found, called=SpokenNames(scene))

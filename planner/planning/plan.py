@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.budget import bounded
+from topple.planner.budget import within_budget
 from topple.planner.decide.goal import Goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.fallbacks import RELAXATIONS, selected
@@ -41,7 +41,7 @@ UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
 
 @checked_arguments
-@bounded
+@within_budget
 def plan(
     scene: AnyScene,
     goal: str | Collection[str] | Task,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from topple.planner.budget import bounded
+from topple.planner.budget import within_budget
 from topple.planner.decide.dependency import Dependency
 from topple.planner.decide.hold import Hold
 from topple.planner.planning.order import order
@@ -114,7 +114,7 @@ def rearrange(
 
 
 @checked_arguments
-@bounded
+@within_budget
 def rearrange(
     start: AnyScene | Situation,
     goal: AnyScene | Situation | Mapping[str, Any],

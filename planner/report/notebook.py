@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.planner.decide.names import renamed, spoken
+from topple.planner.decide.names import rename, spoken
 from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import columns, page, view_page
@@ -45,7 +45,7 @@ def relations_cell(relations: "Relations") -> str:
 
 def order_cell(order: "Order") -> str:
     """The dependency graph, and the order with its reasons; an order has no clouds to show."""
-    found, names = renamed((order.to_json(), order.graph.names), order.called)
+    found, names = rename((order.to_json(), order.graph.names), order.called)
     graph = graph_box(DrawnGraph.of(names, found, row=560.0), object_colours(names), {})
     words = order_list(found, {}) + sentence_list(order.assumptions, "Assumptions")
     return _frame(page("Order", columns(graph, words), {}, (), compact=True), LOW)

@@ -7,7 +7,7 @@ import numpy as np
 from msgspec import to_builtins
 
 from topple.planner.decide.names import spoken
-from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_rows, sentence
+from topple.planner.decide.words import TARGET, UNTIED, millimetres, number_of, order_rows, sentence
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
@@ -111,7 +111,7 @@ def _head(plan: Plan, bands: Sequence[Span], *, refuted: bool) -> str:
     x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
     where = "searched" if plan.base_searched else "given"
     facts = [
-        counted(len(plan.steps), "step"),
+        number_of(len(plan.steps), "step"),
         f"{plan.seconds:.1f} s of motion" + (f", {bands[-1][2]:.1f} s with the hand's" if bands else ""),
         f"{'every' if plan.certified else 'not every'} motion certified",
         f"{plan.robot} at {x:.2f} {y:.2f} {z:.2f} m (base {where})",

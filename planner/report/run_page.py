@@ -6,7 +6,7 @@ from html import escape
 from typing import Any
 
 from topple.planner.decide.names import photo_of, spoken
-from topple.planner.decide.words import counted, millimetres, sentence
+from topple.planner.decide.words import millimetres, number_of, sentence
 from topple.planner.formats.pictures import picture, pixels_of
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, view_data
@@ -163,7 +163,7 @@ def _turns(title: str) -> str:
 
 def _head(record: RunRecord) -> str:
     facts = [
-        f"{record.goal}: {counted(len(record.steps), 'step')}",
+        f"{record.goal}: {number_of(len(record.steps), 'step')}",
         f"robot {record.robot}, seed {record.seed}",
         *([f"{record.seconds:.1f} s"] if record.seconds > 0 else []),
     ]

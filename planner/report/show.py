@@ -3,7 +3,7 @@
 from html import escape
 
 from topple.planner.decide.names import spoken
-from topple.planner.decide.words import listed, order_in_words, sentences
+from topple.planner.decide.words import order_in_words, phrase, sentences
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import folded, glance, view_page
@@ -74,13 +74,13 @@ def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
 def _head(scene: Scene, order: Document | None, title: str) -> str:
     facts = [f"{len(scene.names)} objects"]
     if scene.fixed:
-        facts.append(f"fixed: {listed(sorted(scene.fixed))}")
+        facts.append(f"fixed: {phrase(sorted(scene.fixed))}")
     if scene.up is None:
         facts.append("which way is up is not known, so the view may lie on its side")
     if order is not None:
         targets = [str(name) for name in order.get("targets", ())]
         some = targets and len(targets) < len(scene.movable)
-        facts.append(f"to free: {listed(targets)}" if some else "to clear everything")
+        facts.append(f"to free: {phrase(targets)}" if some else "to clear everything")
     heading = _verdict(order) or title or f"Scene of {len(scene.names)} objects"
     facts[:0] = [title] if title and heading != title else []
     return f'<header><h1>{escape(heading)}</h1><p class="lead">{escape("; ".join(facts))}.</p></header>'
@@ -91,7 +91,7 @@ def _verdict(order: Document | None) -> str:
     if order is None:
         return ""
     if order.get("unresolved"):
-        return f"No safe order: {listed([str(name) for name in order['unresolved'][0]])} hold each other."
+        return f"No safe order: {phrase([str(name) for name in order['unresolved'][0]])} hold each other."
     steps = order_in_words(order)
     return f"Take {steps[0][0]} first: {steps[0][1]}" if steps else "There is nothing to take."
 

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 from topple.planner.decide.words import (
     contact,
-    counted,
-    listed,
     millimetres,
+    number_of,
     order_notes,
     order_rows,
+    phrase,
     sentences,
-    shortened,
+    shorten,
 )
 from topple.planner.report.drawing import Document, is_inferred
 from topple.planner.report.html import bullets, folded, table
@@ -34,7 +34,7 @@ def relation_table(relations: Document, index: Mapping[str, int]) -> str:
     apart.sort(key=lambda pair: float(pair.get("gap") or 0.0))
     html = '<p class="note">No two objects meet: all are disjoint.</p>'
     html = _pair_table(meeting, index) if meeting else html
-    html += folded(counted(len(apart), "disjoint pair"), _pair_table(apart, index)) if apart else ""
+    html += folded(number_of(len(apart), "disjoint pair"), _pair_table(apart, index)) if apart else ""
     if (deviation := relations.get("deviation")) is not None:
         html += (
             '<p class="note">Rows read “A relation B”. Evidence: seen or inferred, and the share of such '
@@ -59,10 +59,10 @@ def relation_matrix(relations: Document, index: Mapping[str, int]) -> str:
             both = f"{index.get(x, -1)} {index.get(y, -1)}"
             cells[x, y] = f'<td data-ends="{both}" title="{said_so}">{_letter(word, inferred)}</td>'
     head = "".join(
-        f'<th scope="col" title="{escape(b)}"><span>{escape(shortened(b))}</span></th>' for b in names
+        f'<th scope="col" title="{escape(b)}"><span>{escape(shorten(b))}</span></th>' for b in names
     )
     rows = "".join(
-        f'<tr><th scope="row" title="{escape(a)}">{escape(shortened(a))}</th>'
+        f'<tr><th scope="row" title="{escape(a)}">{escape(shorten(a))}</th>'
         f"{''.join(cells.get((a, b), '<td></td>') for b in names)}</tr>"
         for a in names
     )
@@ -129,7 +129,7 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
 
     def named(names: Sequence[Any] | str) -> str:
         some = [names] if isinstance(names, str) else names
-        return listed([object_name(str(name), index) for name in some])
+        return phrase([object_name(str(name), index) for name in some])
 
     lines = [("", escape(words)) for words in order_notes(order)]
     for cycle in order.get("unresolved", ()):

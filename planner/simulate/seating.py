@@ -192,7 +192,7 @@ def seat(
     for k in np.unique(under.piece[near]):
         mine = near & (under.piece == k)
         feet = np.column_stack([under.cells[mine], under.top[mine]])
-        shape[int(k)] = shape[int(k)].having(feet)
+        shape[int(k)] = shape[int(k)].with_points(feet)
     for owner in np.unique(under.owner[chosen & ~near]):
         shape.append(_hidden_below(under, np.flatnonzero(chosen & ~near & (under.owner == owner))))
     carriers = tuple(list(every)[k] for k in np.unique(under.owner[chosen]) if k >= 0)

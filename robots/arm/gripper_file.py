@@ -154,7 +154,7 @@ def read_gripper(path: str | Path) -> GripperFile:
         gripper = msgspec.convert(document, GripperFile)
     except msgspec.ValidationError as error:
         raise InvalidInput(f"{path}: {error}") from error
-    checked(gripper, str(path))
+    check_values(gripper, str(path))
     hand = gripper.hand
     if hand is not None and hand.urdf.endswith(".urdf"):
         found = path.parent / Path(hand.urdf).expanduser()
@@ -162,7 +162,7 @@ def read_gripper(path: str | Path) -> GripperFile:
     return gripper
 
 
-def checked(gripper: GripperFile, where: str) -> None:
+def check_values(gripper: GripperFile, where: str) -> None:
     """Refuse values that types cannot exclude.
 
     Args:

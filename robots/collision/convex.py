@@ -42,7 +42,7 @@ def _thicken(points: FloatArray) -> FloatArray:
     return (points[:, None, :] + corners).reshape(-1, 3)
 
 
-def reduced(vertices: FloatArray, tolerance: float = REDUCTION) -> tuple[FloatArray, float]:
+def reduce_hull(vertices: FloatArray, tolerance: float = REDUCTION) -> tuple[FloatArray, float]:
     """A subset of hull vertices whose hull comes within a tolerance of all of them.
 
     Args:
@@ -116,7 +116,7 @@ def _sphere(data: bytes) -> tuple[FloatArray, float]:
     return freeze(centre), float(np.linalg.norm(points - centre, axis=1).max())
 
 
-def padded(sets: list[FloatArray]) -> NDArray[np.float32]:
+def pad_sets(sets: list[FloatArray]) -> NDArray[np.float32]:
     """Vertex sets of different sizes as one array, short ones filled with their first vertex.
 
     Args:

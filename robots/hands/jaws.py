@@ -53,7 +53,7 @@ def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> To
     given = given or Jaw(joints=list(fingers.drivers))
     hand = _Hand(model, fingers)
     if given.links is None:
-        links = hand.facing()
+        links = hand.closing_pair()
     else:
         links = (hand.carrier(given.links[0]), hand.carrier(given.links[1]))
     if links is None:
@@ -127,7 +127,7 @@ class _Hand:
             found = [{**values, joint.name: end} for values in found for end in (joint.lower, joint.upper)]
         return found
 
-    def facing(self) -> tuple[str, str] | None:
+    def closing_pair(self) -> tuple[str, str] | None:
         """The two groups farthest out of the palm that move towards each other, None where there are none."""
         shaped = [carrier for carrier in self._groups if len(self._shape(carrier))]
         best: tuple[float, tuple[str, str]] | None = None
@@ -188,11 +188,11 @@ class _Hand:
         across -= self._middle(first, shut) - self._middle(second, shut)
         if np.linalg.norm(across) < LEAST_STROKE:
             self._refuse("do not move against each other:")
-        across = snapped(across)
+        across = snap_to_axis(across)
         if float((self._middle(first, wide) - self._middle(second, wide)) @ across) < 0.0:
             first, second = second, first
         between = (self._middle(first, wide) + self._middle(second, wide)) / 2.0 - self._palm_middle()
-        out = snapped(between - across * float(across @ between))
+        out = snap_to_axis(between - across * float(across @ between))
         out -= across * float(across @ out)
         out /= np.linalg.norm(out)
         turn = np.column_stack([np.cross(across, out), across, out])
@@ -335,7 +335,7 @@ def _above(points: FloatArray, z: float) -> FloatArray:
     return np.concatenate([points[points[:, 2] > z], section(points, z)])
 
 
-def snapped(direction: FloatArray) -> FloatArray:
+def snap_to_axis(direction: FloatArray) -> FloatArray:
     """A unit direction, that of an axis where one is near."""
     unit = direction / np.linalg.norm(direction)
     axis = int(np.argmax(np.abs(unit)))

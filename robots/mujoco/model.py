@@ -63,7 +63,7 @@ class Blueprint:
         default_factory=dict[tuple[str, str | None], tuple[FloatArray, FloatArray]]
     )
 
-    def compiled(self, time_step: float) -> tuple[Any, dict[str, Shape]]:
+    def compile_model(self, time_step: float) -> tuple[Any, dict[str, Shape]]:
         """MuJoCo's model, and what collides in it by name.
 
         Args:

@@ -38,7 +38,7 @@ class MujocoVacuum(Vacuum):
     @property
     def sealed(self) -> bool:
         """Whether it still holds."""
-        return self._mujoco.welded(self.name, self._link)
+        return self._mujoco.is_welded(self.name, self._link)
 
     def off(self) -> None:
         """Lets go."""

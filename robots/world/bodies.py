@@ -111,7 +111,7 @@ class Body:
         hulls = [hull_of(as_points(part, f"a part of body {name!r}")) for part in parts]
         volume, centre, inertia = _mass_properties(hulls, mesh)
         mass = volume * density if mass is None else mass
-        corners, seen = tuple(vertices for vertices, _ in hulls), mesh or joined(hulls)
+        corners, seen = tuple(vertices for vertices, _ in hulls), mesh or join_meshes(hulls)
         about = inertia * (mass / volume)
         return cls(name, corners, mass, friction, centre, about, color, seen, kind, rolling)
 
@@ -155,7 +155,7 @@ def spread_over(mesh: Mesh, count: int, rng: np.random.Generator) -> FloatArray:
     return (1 - a) * chosen[:, 0] + a * (1 - b) * chosen[:, 1] + a * b * chosen[:, 2]
 
 
-def joined(hulls: Hulls) -> Mesh:
+def join_meshes(hulls: Hulls) -> Mesh:
     """Closed surfaces, corners (V, 3) in [m] and triangles (F, 3) of each, as one mesh."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in hulls[:-1])])
     faces = [triangles + offset for (_, triangles), offset in zip(hulls, offsets, strict=True)]

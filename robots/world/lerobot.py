@@ -165,7 +165,7 @@ def check_dataset(folder: Path) -> None:
         raise InvalidInput(f"{folder} is no dataset of LeRobot {VERSION}: give a new folder, or one of such")
 
 
-def demonstrated(
+def demonstration_in(
     folder: Path | None, robot: ActingArm, camera: Camera
 ) -> AbstractContextManager[Demonstration | None]:
     """A demonstration, or nothing where no folder is given."""

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, reasoned
+from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, reason_out
 from topple.robots import shapes
 from topple.topology import Scene, UnknownObject
 from topple.topology.base.arrays import FloatArray
@@ -56,7 +56,7 @@ def test_an_edge_is_believed_as_the_chance_of_its_pair():
     clouds = {"low": low.surface(2000, rng), "top": top.surface(2000, rng), "table": table}
     clouds["top"][:, 2] += 0.06
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    graph, chance = reasoned(Situation(scene))
+    graph, chance = reason_out(Situation(scene))
     (edge,) = graph.dependencies
     assert (edge.first, edge.then, edge.reason) == ("top", "low", "supported")
     assert edge.confidence == chance["top", "low"] > 0.95

@@ -7,8 +7,8 @@ import pytest
 
 from topple.benchmarks.rates import counted, rates
 from topple.planner.budget import OutOfBudget
-from topple.planner.decide.dependency import Dependency, DependencyGraph, reasoned
-from topple.planner.decide.rates import likelihoods, posterior, standing
+from topple.planner.decide.dependency import Dependency, DependencyGraph, reason_out
+from topple.planner.decide.rates import likelihoods, posterior, stances
 from topple.planner.planning.order import order
 from topple.planner.simulate.votes import Votes, ask, chances, confirmed
 from topple.robots import shapes
@@ -118,7 +118,7 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(statics,
         then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
         for then in NOTHING.names
     }
-    counts = trials, overlooked = counted(labels, votes, [("beside", "plate")], standing(statics))
+    counts = trials, overlooked = counted(labels, votes, [("beside", "plate")], stances(statics))
     assert trials[0, 3].tolist() == [1, 0] and trials[0, 0].tolist() == [0, 5]
     assert overlooked[0, 1].tolist() == [1, 0]
     found = rates([counts, counts])
@@ -128,7 +128,7 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(statics,
 
 
 def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(scene):
-    stand = standing(Statics.of(scene))
+    stand = stances(Statics.of(scene))
     assert (stand["on", "plate"], stand["plate", "on"], stand["beside", "plate"]) == ((0, 1), (0, 0), (2, 1))
-    _, chance = reasoned(Situation(scene))
+    _, chance = reason_out(Situation(scene))
     assert chance["on", "plate"] > chance["plate", "on"] > chance["beside", "plate"]
