@@ -92,7 +92,7 @@ class ChangeDetector:
         """Whether nothing is seen to move; `moved` has what is, with how far its surface is off [m]."""
         for image in self._stream.glimpse():
             if (view := self._views.get(_place(image))) is not None:
-                self.moved = {**self.moved, **view.moved(image.depth)}
+                self.moved = {**self.moved, **view.offsets(image.depth)}
         return not self.moved
 
 
@@ -124,7 +124,7 @@ class _View:
         whose = found[found >= 0] // ((rows.max() + 1) * (columns.max() + 1))
         return _View(tiles, tuple(seen.names[int(number)] for number in whose), image.depth)
 
-    def moved(self, depth: FloatArray) -> dict[str, float]:
+    def offsets(self, depth: FloatArray) -> dict[str, float]:
         """Names of what is off its place in a picture (H, W), by how far [m]."""
         off = np.where((depth > 0) & (self.before > 0), depth - self.before, np.inf)
         pixels, middle = self._per_tile(off, np.abs(off) < 4 * DISTURBED)  # what is further off came between

@@ -8,9 +8,9 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from topple.planner.execution.associate import associated, middle, seen_through
+from topple.planner.execution.associate import associate_names, middle, seen_through
 from topple.planner.execution.frames import Eye, Frames
-from topple.planner.execution.masks import misnamed, renamed
+from topple.planner.execution.masks import misnamed, rename
 from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
 from topple.robots.driver import Driver
@@ -158,13 +158,13 @@ class Observer:
             faults = (*faults, *said_of_images(images))
         kept = self._kept
         if self.shuffle_labels and expected is not None:
-            images = associated(images, expected, self.rng)
+            images = associate_names(images, expected, self.rng)
         scene = self._scene(images)
         surprises: dict[str, str] = {}
         if expected is not None:
             names, wrong = misnamed(scene, expected)
             if names:
-                images = tuple(renamed(image, names) for image in images)
+                images = tuple(rename(image, names) for image in images)
                 scene, faults = self._scene(images), (*faults, *wrong.values())
             scene, surprises = _join_remembered(scene, expected)
             kept = tuple(image for each in kept if (image := _strip(each, self._last, expected, surprises)))

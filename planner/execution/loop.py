@@ -21,7 +21,7 @@ from topple.planner.execution.second_look import HandCamera, doubtful, second_lo
 from topple.planner.execution.selection import RunLimits, StepSelector
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.two_arms import TwoArms
-from topple.planner.fallbacks import RELAXATIONS, selected
+from topple.planner.fallbacks import RELAXATIONS, select
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
@@ -107,7 +107,7 @@ class ClosedLoop:
     def __post_init__(self) -> None:
         task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed, self.fixture)
         asked = Context(
-            self._arms.stations[0], relaxations=selected(self.relaxations), orderer=self.orderer,
+            self._arms.stations[0], relaxations=select(self.relaxations), orderer=self.orderer,
             grasps=self.grasps, seed=self.seed, away=self.away,
         )  # fmt: skip
         self._selector = StepSelector(task, self._arms, asked, self.limits.attempts)

@@ -38,7 +38,7 @@ def misnamed(seen: Scene, expected: Scene) -> tuple[dict[str, str], dict[str, st
     return swapped | pieces, said
 
 
-def renamed(image: DepthImage, names: Mapping[str, str]) -> DepthImage:
+def rename(image: DepthImage, names: Mapping[str, str]) -> DepthImage:
     """An image with other names; masks that come to share one are joined.
 
     Args:

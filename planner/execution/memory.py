@@ -65,7 +65,7 @@ class Memory:
             return others  # what made room lies elsewhere, and nobody looked whether it turned in the hand
         pose = transfer.placement.pose_before_to_after
         some = (*self.placed.get(name, ()), transfer.grasp)
-        return {**others, name: tuple(one.moved(pose) for one in some)}
+        return {**others, name: tuple(one.move(pose) for one in some)}
 
     def after_look(
         self,

@@ -110,10 +110,10 @@ def run(
         eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
         loop = ClosedLoop.simulated(
             stage.world, acting, eyes, task.in_frame(to_world, Z), fixed=tuple(sorted(stage.world.fixed)),
-            grasps={n: [grasp.moved(to_world) for grasp in some] for n, some in own.items()},
+            grasps={n: [grasp.move(to_world) for grasp in some] for n, some in own.items()},
             masses=scene.masses, friction=scene.friction, fixture=stage.fixture,
             second=None if there is None else arm_in(stage.world, arm, there, acting),
-            away=receiver and receiver.moved(to_world), wrist_camera=wrist_camera, ahead=ahead, photos=photos,
+            away=receiver and receiver.move(to_world), wrist_camera=wrist_camera, ahead=ahead, photos=photos,
             shuffle_labels=shuffle_labels, orderer=orderer, relate=relate, relaxations=relaxations, seed=seed,
             progress=progress,
         )  # fmt: skip

@@ -133,12 +133,12 @@ class TwoArms:
     def _release_watch(self, chosen: NextStep, watch: Watch) -> Watch:
         """Make a watch that has a fixture let go of the object as soon as the hand has closed on it."""
 
-        def watching(moment: str, tool: str) -> None:
+        def look_on(moment: str, tool: str) -> None:
             watch(moment, tool)
             if moment == TAKEN and self._fixture is not None:
                 self._fixture.release(chosen.transfer.object)
 
-        return watching
+        return look_on
 
     def _beside(self, robot: Driver) -> Driver | None:
         """The other arm."""

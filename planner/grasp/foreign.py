@@ -138,7 +138,7 @@ def grasps_from_array(
         array([0.7])
     """
 
-    def given(values: Any, default: FloatArray) -> FloatArray:
+    def take(values: Any, default: FloatArray) -> FloatArray:
         return default if values is None else plain(values, name)
 
     array = plain(array, name)
@@ -151,15 +151,13 @@ def grasps_from_array(
             label_of(number, f"{name}: object of grasp {row}")
             for row, number in enumerate(array[:, 16].tolist())
         )
-        found = ForeignGrasps(
-            poses, given(scores, array[:, 0]), given(widths, array[:, 1]), "graspnet", labels
-        )
-        return checked(found, name)
+        found = ForeignGrasps(poses, take(scores, array[:, 0]), take(widths, array[:, 1]), "graspnet", labels)
+        return check_grasps(found, name)
     if array.ndim == 3 and array.shape[1:] == (4, 4):
         found = ForeignGrasps(
-            array, given(scores, np.ones(len(array))), given(widths, np.full(len(array), np.nan)), "poses"
+            array, take(scores, np.ones(len(array))), take(widths, np.full(len(array), np.nan)), "poses"
         )
-        return checked(found, name)
+        return check_grasps(found, name)
     raise InvalidInput(f"{name}: has shape {array.shape}: expected (N, 17) of GraspNet or (N, 4, 4) poses")
 
 
@@ -195,7 +193,7 @@ def poses_of(rotations: FloatArray, places: FloatArray) -> FloatArray:
     return poses
 
 
-def checked(grasps: ForeignGrasps, name: str) -> ForeignGrasps:
+def check_grasps(grasps: ForeignGrasps, name: str) -> ForeignGrasps:
     """Refuse what is no rigid transform in metres, or has no score, naming the first bad one.
 
     Args:

@@ -30,7 +30,7 @@ from topple.planner.grasp.tolerances import (
     UPRIGHT,
     WIDEST,
 )
-from topple.planner.grasp.widen import widened
+from topple.planner.grasp.widen import widen_pinches
 from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.collision.prisms import fill_prisms
@@ -97,11 +97,11 @@ class Jaw(HandShape):
 
     def widened(self, grasps: Sequence[Grasp], sought: Sought) -> list[Grasp]:
         """Pinches with the fingers as far apart as there is room."""
-        return widened(grasps, sought, self)
+        return widen_pinches(grasps, sought, self)
 
     def turns(self, grasp: Grasp) -> list[Grasp]:
         """A jaw turned half is the same."""
-        return [grasp, grasp.turned()]
+        return [grasp, grasp.turn()]
 
     # -- how it stands
 
@@ -119,13 +119,13 @@ class Jaw(HandShape):
         In a vessel only as far as it takes: fingers would push aside what else is in it. A level hand, whose
         lower finger is below the object, opens wide everywhere, or it would draw the object along.
         """
-        below = grasp.kind == PINCH and abs(float(grasp.closing @ up)) > UPRIGHT
+        below = grasp.kind == PINCH and abs(float(grasp.closing_axis @ up)) > UPRIGHT
         if into is not None and not below:
             return ToolState(self._round_opening(grasp.width + RELEASE_GAP))
         return self.hand
 
     def _round_opening(self, opening: float) -> float:
-        return min(self.max_opening, stepped(opening))
+        return min(self.max_opening, step_up(opening))
 
     # -- where it is
 
@@ -239,7 +239,7 @@ def _is_held(held: Between, window: BoolArray, hand: HandShape, opening: float, 
     return bool(antipodality(held, window, low, high, apart, hand, tolerances, lenient=True)[0] > 0.0)
 
 
-def stepped(opening: float) -> float:
+def step_up(opening: float) -> float:
     """An opening [m] rounded up to a step."""
     return float(np.ceil(opening / OPENING_STEP - 1e-9)) * OPENING_STEP
 

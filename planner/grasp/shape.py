@@ -155,7 +155,7 @@ class Shape(ABC):
     def turns(self, grasp: "Grasp") -> list["Grasp"]:
         """A grasp with the hand turned about its approach in all ways that hold the same."""
         across = replace(grasp, pose_tool_to_world=grasp.pose_tool_to_world @ ACROSS)
-        return [grasp, grasp.turned(), across, across.turned()]
+        return [grasp, grasp.turn(), across, across.turn()]
 
     # -- how the hand stands
 

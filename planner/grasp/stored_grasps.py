@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.planner.grasp.foreign import (
     ForeignGrasps,
-    checked,
+    check_grasps,
     grasps_from_array,
     label_of,
     plain,
@@ -108,7 +108,7 @@ def _contact_graspnet(found: Mapping[str, Stored], name: str) -> ForeignGrasps:
     widths = np.full(len(hands), np.nan)
     if "gripper_openings" in values:
         widths = np.concatenate(values["gripper_openings"])
-    return checked(ForeignGrasps(turned, scores, widths, "contact_graspnet", tuple(labels)), name)
+    return check_grasps(ForeignGrasps(turned, scores, widths, "contact_graspnet", tuple(labels)), name)
 
 
 def _by_segment(stored: Stored) -> dict[Key, Any]:

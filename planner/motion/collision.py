@@ -84,7 +84,7 @@ class Checker:
         self._open = OpenPairs(self.model)
         self.exact = ExactPhase(self.model)
 
-    def keeping(self, clearance: float, states: FloatArray | None = None) -> "Checker":
+    def at_distance(self, clearance: float, states: FloatArray | None = None) -> "Checker":
         """The same checks with a larger distance from obstacles, where the states have it.
 
         Args:

@@ -194,7 +194,7 @@ class Receiver:
             boxes += [((0.0, s * (y - w) / 2.0, z / 2.0), (x, w, z)) for s in (-1.0, 1.0)]
         return {BODIES[self.how]: [move_points(_corners(*box), self.pose) for box in boxes]}
 
-    def moved(self, pose: FloatArray) -> "Receiver":
+    def move(self, pose: FloatArray) -> "Receiver":
         """The same in another frame, to which a rigid transform (4, 4) leads."""
         return replace(self, pose=pose @ self.pose, pose_base_to_world=pose @ self.pose_base_to_world)
 

@@ -18,7 +18,7 @@ from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 
-def staying(
+def pick_staying(
     places: Sequence[Placement],
     name: str,
     where: str,
@@ -70,7 +70,7 @@ def _quietest(found: Sequence[tuple[tuple[float, ...], Placement]]) -> list[Plac
     return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 
-def standing(
+def try_standing(
     places: Sequence[Placement],
     name: str,
     situation: Situation,

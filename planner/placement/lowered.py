@@ -20,7 +20,7 @@ from topple.topology.situation.situation import Situation
 from topple.topology.statics.way_out import leads_up
 
 
-def lowered(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
+def lower(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
     """Lower an object, turned and over the place as it is told, onto what is there now.
 
     On what is fixed it comes to stand on its hidden sides, too.

@@ -112,7 +112,7 @@ class PlanBuilder:
         for transfer in self.barred:
             avoid.setdefault(transfer.object, []).append(transfer.grasp)
         own = {
-            name: [grasp.moved(self.moved[name]) for grasp in some] if name in self.moved else some
+            name: [grasp.move(self.moved[name]) for grasp in some] if name in self.moved else some
             for name, some in self.context.grasps.items()
         }
         return replace(
@@ -194,7 +194,7 @@ class PlanBuilder:
         """Index of the last step of an object, -1 where it has none."""
         return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
 
-    def doubted(self, name: str) -> list[DependencyData]:
+    def doubts(self, name: str) -> list[DependencyData]:
         """Unlikely dependencies that taking an object now violates: seen before and no more."""
         gone = {step.object for step in self.steps}
         return [
@@ -211,7 +211,7 @@ class PlanBuilder:
             self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
         transfer = chosen.transfer
         names = [step.object for step in self.steps]
-        against = self.doubted(transfer.object)
+        against = self.doubts(transfer.object)
         for edge in against:
             self.reasons.pop((edge.first, edge.then), None)
         below = {first for first, then in self.reasons if then == transfer.object}

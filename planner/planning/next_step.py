@@ -17,7 +17,7 @@ from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import TransferFailure
 from topple.planner.fallbacks import Relaxation
-from topple.planner.placement.drops import staying
+from topple.planner.placement.drops import pick_staying
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
@@ -95,7 +95,7 @@ class StepChooser:
         )
         if step is not None:
             return step
-        explained = tuple(self.transfers.explained(failure) for failure in failures)
+        explained = tuple(self.transfers.explain(failure) for failure in failures)
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
         held = (f"with a second hand, {hold.sentence(chosen.order)}" for hold in chosen.holds)
         words = (*(tuple(str(failure) for failure in explained) or (waiting,)), *held)
@@ -159,7 +159,7 @@ class StepChooser:
         """
         barred = {failure.object for failure in failures}
         for failure in failures:
-            for other in self.transfers.barring(failure):
+            for other in self.transfers.barriers(failure):
                 step = self._taken_away(other, barred, f"it is in the way to {failure.object} ({failure})")
                 if step is not None:
                     return step
@@ -245,7 +245,7 @@ class StepChooser:
         if place.how != PlaceRelation.WITHIN:
             return found, found, found
         lying = [other for other in self.transfers.inside(where) if other != name]
-        return found, *staying(found, name, where, self.situation, lying)
+        return found, *pick_staying(found, name, where, self.situation, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
         """An object that a later placement moves and that comes out only once the base is off: base first."""
@@ -286,7 +286,7 @@ class StepChooser:
         """The situation to order: what rides in a container that is kept upright is one thing with it."""
         scene = self.scene
         for name in self.context.upright:
-            riders = [rider for rider in self.transfers.riding(name) if rider not in targets]
+            riders = [rider for rider in self.transfers.riders(name) if rider not in targets]
             for rider in riders:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
                 together: dict[str, float] = {}

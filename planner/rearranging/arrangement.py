@@ -9,10 +9,10 @@ import numpy as np
 from topple.planner.building.build import BuildOrder, build_order
 from topple.planner.building.standing import falling_in
 from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
-from topple.planner.rearranging.matching import Match, matched, sizes
+from topple.planner.rearranging.matching import Match, match_objects, sizes
 from topple.planner.rearranging.possible import check_possible
-from topple.planner.rearranging.registration import Registration, least, registered, remaining
-from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.registration import Registration, least, register, rest_of
+from topple.planner.rearranging.steady import brace
 from topple.planner.rearranging.tolerances import OTHER, SIZES
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
@@ -65,7 +65,7 @@ class Arrangement:
         Raises:
             InvalidInput: There are others, or more.
         """
-        return Arrangement(*matched(start, goal, up_of(start)))
+        return Arrangement(*match_objects(start, goal, up_of(start)))
 
     @cached_property
     def built(self) -> BuildOrder:
@@ -80,7 +80,7 @@ class Arrangement:
     def first_down(self) -> frozenset[tuple[str, str]]:
         """(a, b): a has to be down before b, so that b is not barred and stands."""
         pairs = ((e.first, e.then) for e in self.built.footings)
-        graph = steadied(self.situation.movable, pairs, falling_in(self.situation.statics))
+        graph = brace(self.situation.movable, pairs, falling_in(self.situation.statics))
         return frozenset(graph.edges)
 
     def check(self, start: Situation) -> None:
@@ -134,9 +134,9 @@ class Arrangement:
             return known[1]
         guess, up = None if known is None else known[1].pose, self.situation.up
         surface = situation.surfaces[name] @ situation.statics.upright.rotation
-        found = None if known is None else remaining(known[1], known[0], cloud)
+        found = None if known is None else rest_of(known[1], known[0], cloud)
         if found is None:
-            found = registered(cloud, self.situation.scene.clouds[name], up, guess)
+            found = register(cloud, self.situation.scene.clouds[name], up, guess)
         found = least(found, cloud, surface, up)
         self._fits[name] = cloud, found
         return found

@@ -44,7 +44,7 @@ class Moves:
         return len(self.moves) <= self.bound
 
     @property
-    def buffered(self) -> tuple[str, ...]:
+    def in_buffers(self) -> tuple[str, ...]:
         """Objects put out of the way, in this order."""
         return tuple(move.object for move in self.moves if move.to is To.BUFFER)
 
@@ -192,7 +192,7 @@ Node = tuple[str, str]
 """A move, and of what: "take" to a buffer, "put" from there, or "move" straight to the goal."""
 
 
-def contracted(problem: Problem, chosen: Collection[str]) -> "nx.DiGraph[Node]":
+def contract(problem: Problem, chosen: Collection[str]) -> "nx.DiGraph[Node]":
     """Order the events: an object that goes straight to its goal is one node, others are two.
 
     Args:
@@ -229,7 +229,7 @@ def sequence(problem: Problem, chosen: Collection[str], preference: Preference |
     Returns:
         The moves. What can go to its goal does, from a buffer first.
     """
-    graph = contracted(problem, chosen)
+    graph = contract(problem, chosen)
     left: dict[Node, int] = {node: graph.in_degree(node) for node in graph}
     moves: list[Move] = []
 

@@ -60,7 +60,7 @@ class Registration:
         return self.way < DISTURBED and self.turn < TURNED
 
 
-def registered(
+def register(
     start: FloatArray, goal: FloatArray, up: FloatArray, guess: FloatArray | None = None
 ) -> Registration:
     """Find the rigid motion that brings a cloud onto another of the same object.
@@ -83,10 +83,10 @@ def registered(
         return same
     a, b = (_few(voxel_means(cloud, SPACING)) for cloud in (start, goal))
     pair = _Pair(a, b, up)
-    if guess is not None and (near := pair.settled(guess)).residual < pair.spacing:
+    if guess is not None and (near := pair.settle(guess)).residual < pair.spacing:
         return near
-    starts = sorted((pair.shifted(pose, 2) for pose in pair.attempts()), key=pair.distance)[:KEPT]
-    found = [pair.settled(pose) for pose in starts]
+    starts = sorted((pair.shift(pose, 2) for pose in pair.attempts()), key=pair.distance)[:KEPT]
+    found = [pair.settle(pose) for pose in starts]
     found = _as_well(found, ALIKE)  # a block fits upside down too, by noise even better
     level = [each for each in found if _tilt(each.pose, up) < LEVEL]
     return min(_as_well(level or found, AS_WELL), key=lambda each: each.turn)
@@ -128,7 +128,7 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
     return min((_result(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
 
 
-def remaining(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
+def rest_of(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
     """Compute the rest of a motion for an object moved meanwhile; None where it was seen anew since.
 
     Args:
@@ -219,7 +219,7 @@ class _Pair:
         back = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])[0]
         return float(np.minimum(np.concatenate([there, back]), FAR).mean())
 
-    def settled(self, pose: FloatArray) -> Registration:
+    def settle(self, pose: FloatArray) -> Registration:
         """Where a motion settles; level where it tilts little."""
         pose = self._refine(pose, level=False)
         if _tilt(pose, self._up) < LEVEL:
@@ -235,18 +235,16 @@ class _Pair:
         A mug's handle is a twelfth of its points; matched one by one the others keep it where it is. What was
         seen of it has its middle beside the axis: a turn about that is followed by a shift, in turns.
         """
-        pose, best = self.shifted(pose), np.inf
+        pose, best = self.shift(pose), np.inf
         while (left := self.distance(pose)) < best - ALIKE / 10.0:
             best = left
             for steps in (COARSELY, FINELY):
                 middle = move_points(self._a.mean(axis=0), pose)
                 turned = [turned_to(about(self._up, angle), middle, middle) @ pose for angle in steps]
-                pose = min(
-                    [pose, *map(self.shifted, sorted(turned, key=self.distance)[:2])], key=self.distance
-                )
+                pose = min([pose, *map(self.shift, sorted(turned, key=self.distance)[:2])], key=self.distance)
         return pose
 
-    def shifted(self, pose: FloatArray, rounds: int = 5) -> FloatArray:
+    def shift(self, pose: FloatArray, rounds: int = 5) -> FloatArray:
         """A motion moved along, unturned, to where it fits best nearby."""
         for _ in range(rounds):
             a, b = self._match(pose)

@@ -29,7 +29,7 @@ def certificates(replay: Replay) -> tuple[Proven, ...]:
             allow=piece.may_touch,
         )
         positions, room = piece.segment.motion.positions, piece.segment.clearance - ROUNDED
-        kept = not piece.segment.certified or room <= 0.0 or checker.keeping(room).free(positions).all()
+        kept = not piece.segment.certified or room <= 0.0 or checker.at_distance(room).free(positions).all()
         found.append((piece, Certifier(checker).path(positions), bool(kept)))
     return tuple(found)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from topple.planner.placement.proof import Settled, container_of, settled
+from topple.planner.placement.proof import Settled, container_of, settle
 from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.clouds import beyond_all
@@ -35,7 +35,7 @@ def let_go(replay: Replay) -> tuple[tuple[Piece, Settled], ...]:
         release = np.eye(4)
         release[:3, 3] += place.drop * up
         around, sandbox = None if inside is None else bodies[inside], sandbox.fill(name, bodies, up)
-        found.append((piece, settled(sandbox, release, np.eye(4), around, up)))
+        found.append((piece, settle(sandbox, release, np.eye(4), around, up)))
     return tuple(found)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from on_table import on_table
 
-from topple.planner.execution.masks import misnamed, renamed
+from topple.planner.execution.masks import misnamed, rename
 from topple.robots.shapes import box
 from topple.robots.shapes.fruit import lemon
 from topple.robots.shapes.tableware import bowl, plate
@@ -82,7 +82,7 @@ def test_a_thing_that_comes_to_light_is_no_piece():
 def test_masks_that_come_to_share_a_name_are_one():
     label, K = np.array([[1, 1, 2, 3]]), np.array([[4.0, 0.0, 1.5], [0.0, 4.0, 0.0], [0.0, 0.0, 1.0]])
     image = DepthImage(np.ones((1, 4)), K, label, names={1: "a", 2: "b", 3: "c"})
-    joined = renamed(image, {"b": "a", "c": "b"})
+    joined = rename(image, {"b": "a", "c": "b"})
     assert joined.names == {1: "a", 3: "b"}
     assert joined.label.tolist() == [[1, 1, 1, 3]]
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.planner import NoSafePlan, rearrange
 from topple.planner.budget import OutOfBudget
-from topple.planner.rearranging.words import described, is_words
+from topple.planner.rearranging.words import arrange_by_words, is_words
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import bowl, box, can, lemon, plate, spoon
 from topple.robots.world.world import World
@@ -25,7 +25,7 @@ SCENE = on_table(
 
 
 def goal(words: str, scene: Scene = SCENE) -> Scene:
-    return described(words, Situation(scene)).situation.scene
+    return arrange_by_words(words, Situation(scene)).situation.scene
 
 
 def shift(name: str, after: Scene) -> FloatArray:
@@ -88,7 +88,7 @@ def test_words_that_describe_nothing_are_refused(words, error, told):
 
 
 def test_of_what_shall_be_within_it_counts_that_it_is_there():
-    arrangement = described("lemon within bowl, spoon left of bowl", Situation(SCENE))
+    arrangement = arrange_by_words("lemon within bowl, spoon left of bowl", Situation(SCENE))
     assert set(arrangement.pose_free) == {"lemon"}
     told = arrangement.goal(SCENE)
     assert "lemon" not in told.poses and "spoon" in told.poses
