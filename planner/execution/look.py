@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.planner.execution.associate import associate_names, middle, seen_through
 from topple.planner.execution.frames import Eye, Frames
-from topple.planner.execution.masks import misnamed, rename
+from topple.planner.execution.masks import name_faults, rename
 from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
 from topple.robots.driver import Driver
@@ -162,7 +162,7 @@ class Observer:
         scene = self._scene(images)
         surprises: dict[str, str] = {}
         if expected is not None:
-            names, wrong = misnamed(scene, expected)
+            names, wrong = name_faults(scene, expected)
             if names:
                 images = tuple(rename(image, names) for image in images)
                 scene, faults = self._scene(images), (*faults, *wrong.values())

@@ -107,7 +107,7 @@ class HoldPlanner:
         for choice in sorted(choices, key=lambda choice: -choice.room):
             if len(tried) >= GRIPS:
                 break
-            if any(map(choice.alike, tried)) or (grip := choice.grips.proven(choice.state)) is None:
+            if any(map(choice.alike, tried)) or (grip := choice.grips.prove(choice.state)) is None:
                 continue
             tried.append(choice)
             steps = self._steps(grip, choice)

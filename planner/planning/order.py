@@ -120,13 +120,13 @@ def order(
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, situation.statics))
     if verify:
-        from topple.planner.simulate.votes import ask, chances, confirmed
+        from topple.planner.simulate.votes import ask, chances, confirm
 
         votes = ask(situation.statics, full, seed)
         chance = chances(chance, votes, len(scene.viewpoints) or None)
         level = [edge for edge in full.dependencies if not sized.goes_up(edge.then)]  # simulation lifts
         chance |= {(edge.first, edge.then): edge.confidence for edge in level}
-        full = _with_witnesses(confirmed(full, chance, votes), situation)
+        full = _with_witnesses(confirm(full, chance, votes), situation)
         notes = {"trials": votes.trials}
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
     apart = taking_apart(sized, full, hands, fixture)

@@ -152,7 +152,7 @@ class Transfers:
         handling = Handling(name, self.situation, station, (), seed, self.context.obstacles)
         log = FailureLog(frozenset())
         most = found[: TRANSFER_LIMITS.grasps]
-        return list(handling.reached(handling.hands(most, station.q, log), True, log))
+        return list(handling.reach(handling.hands(most, station.q, log), True, log))
 
     def _refuse(self, name: str) -> TransferFailure:
         return TransferFailure(name, {self.context.given_up[name]: 1}, None)

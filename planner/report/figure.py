@@ -272,22 +272,22 @@ def _graph(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
     pen = _Pen(SIDE, round(56 + graph.height * shrink))
     pen.text(16, 26, "Dependency graph: an arrow from a to b says a goes before b", colour=SOFT)
 
-    def placed(point: Point) -> Point:
+    def shrunk_point(point: Point) -> Point:
         return 16 + point[0] * shrink, 46 + point[1] * shrink
 
     for edge, route in graph.routes.items():
-        colour, points = reason_colour(graph.reasons[edge][0]), [placed(point) for point in route]
+        colour, points = reason_colour(graph.reasons[edge][0]), [shrunk_point(point) for point in route]
         pen.line(points, colour, 1.6, dashed=graph.confidence[edge] < 0.5)
         pen.polygon(arrow_head(points, 8 * shrink), colour)
     size = max(7.0, 11 * shrink)  # smaller letters cannot be read
     for edge, centre in graph.labels.items():
-        (x, y), text = placed(centre), graph.label(edge)
+        (x, y), text = shrunk_point(centre), graph.label(edge)
         half = _width(text, size) / 2 + 2
         pen.box(x - half, y - size / 2, x + half, y + size / 2, PAPER)
         pen.text(x, y, text, size=size, colour=reason_colour(graph.reasons[edge][0]), anchor="mm")
     size, badge, colours = max(7.0, 12 * shrink), BADGE * shrink, drawing.colours
     for name, (across, down, width) in graph.boxes.items():
-        (x, y), half, high = placed((across, down)), width / 2 * shrink, HIGH / 2 * shrink
+        (x, y), half, high = shrunk_point((across, down)), width / 2 * shrink, HIGH / 2 * shrink
         pen.box(x - half, y - high, x + half, y + high, PAPER, INK if name in graph.targets else LINE)
         pen.box(x - half, y - high, x - half + badge, y + high, paint := colours.get(name, FIXED_COLOUR))
         if name in graph.places:

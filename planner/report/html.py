@@ -112,7 +112,7 @@ def plain_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return table(headings, "".join(f"<tr>{row}</tr>" for row in cells))
 
 
-def folded(summary: str, html: str) -> str:
+def fold(summary: str, html: str) -> str:
     """A part that opens on demand."""
     return f"<details><summary>{summary}</summary>{html}</details>"
 

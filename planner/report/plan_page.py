@@ -14,7 +14,7 @@ from topple.planner.formats.plan_structs import Step
 from topple.planner.placement.away import BODIES
 from topple.planner.planning.plan_format import Plan
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
-from topple.planner.report.html import Span, bullets, folded, glance, plain_table, view_page
+from topple.planner.report.html import Span, bullets, fold, glance, plain_table, view_page
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
@@ -85,7 +85,7 @@ def plan_page(
     steps = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}"
     top = _head(plan, bands, refuted=verification is not None and not verification.ok)
     top += glance(photo(scene, drawing, order), steps, dependency_section(scene, drawing, order))
-    right = _check_words(verification) + folded("Relations", relation_table(found, drawing.index))
+    right = _check_words(verification) + fold("Relations", relation_table(found, drawing.index))
     right += sentence_list(list(dict.fromkeys(plan.assumptions)), "Assumptions")
     view = view_data(drawing, found, order, None, told)
     return view_page(f"topple: plan to {plan.goal}", top, view, ("", right), arm=shape)
@@ -142,7 +142,7 @@ def _check_words(found: Verification | None) -> str:
         html = f'<p class="bad">{len(found.failed)} of {count} checks failed.</p>' + bullets(
             [f"{bad.name}: {bad.value:.2g} {bad.unit}, {bad.witness}" for bad in found.failed]
         )
-    shown = folded("What is shown by which means", plain_table(("what", "by", "steps"), proof_rows(found)))
+    shown = fold("What is shown by which means", plain_table(("what", "by", "steps"), proof_rows(found)))
     return f"<h2>Verification</h2>{html}{shown}"
 
 

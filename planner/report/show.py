@@ -6,7 +6,7 @@ from topple.planner.decide.names import spoken
 from topple.planner.decide.words import order_in_words, phrase, sentences
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
-from topple.planner.report.html import folded, glance, view_page
+from topple.planner.report.html import fold, glance, view_page
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
 from topple.topology.base.arguments import checked_arguments
@@ -45,7 +45,7 @@ def show_page(
         head += glance(beneath, words, dependency_section(scene, drawing, planned))
         beneath = ""
     right = beneath + "<h2>Relations</h2>" + relation_matrix(found, drawing.index)
-    right += folded("Every relation with its evidence", relation_table(found, drawing.index))
+    right += fold("Every relation with its evidence", relation_table(found, drawing.index))
     right += sentence_list(_assumptions(scene, planned), "Assumptions")
     view = view_data(drawing, found, planned)
     return view_page(title or "topple: what is where", head, view, ("", right))

@@ -11,7 +11,7 @@ from scipy.sparse import block_diag, csc_array, hstack
 
 from topple.planner.stability.footing import Footing
 from topple.planner.stability.tolerances import FARTHEST, ROLLS_FROM, STEEPEST, STRONGEST, WAYS
-from topple.planner.stability.verdicts import fallen, held
+from topple.planner.stability.verdicts import find_held, judge_fallen
 from topple.robots.arm.tolerances import GRAVITY
 from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.axes import around
@@ -199,12 +199,12 @@ class Island:
     def by_friction(self, name: str) -> bool:
         """Whether an object stands by friction alone: on polished sides it would not."""
         smooth = [replace(c, friction=0.0) if name in (c.a, c.b) else c for c in self.contacts]
-        return name not in held(self._footing, self.names, smooth)
+        return name not in find_held(self._footing, self.names, smooth)
 
     def falls_without(self, name: str) -> tuple[str, ...]:
         """Objects that do not stand where another is gone."""
         left = [contact for contact in self.contacts if name not in (contact.a, contact.b)]
-        return tuple(fallen(self._footing, [other for other in self.names if other != name], left))
+        return tuple(judge_fallen(self._footing, [other for other in self.names if other != name], left))
 
     def above(self, name: str) -> frozenset[str]:
         """Objects that stand on an object, directly or not."""

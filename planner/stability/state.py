@@ -111,7 +111,7 @@ class State:
         own = self.joined.get(name, frozenset())
         return (other for other in self.names if other != name and other not in own)
 
-    def surrounded(self, name: str, container: str) -> bool:
+    def in_hollow(self, name: str, container: str) -> bool:
         """Whether a body is in the hollow of another, carried or not.
 
         Its centre of mass is over the other's outline, its lowest point below the rim and above the lowest.
@@ -139,7 +139,7 @@ class State:
 
     def within(self, name: str, container: str) -> bool:
         """Whether a body is in the hollow of another, and meets that or what else is in it."""
-        if not self.surrounded(name, container):
+        if not self.in_hollow(name, container):
             return False
         meeting, reached = [name], {name}
         while meeting:
@@ -148,7 +148,7 @@ class State:
             if container in met:
                 return True
             reached |= met
-            meeting += [each for each in met if self.surrounded(each, container)]
+            meeting += [each for each in met if self.in_hollow(each, container)]
         return False
 
 

@@ -150,7 +150,7 @@ class Checks:
             case SegmentKind.APPROACH:
                 return _pairs(links, [self.name, *near])
             case SegmentKind.LIFT:  # what the object touches now, off which it comes
-                return _pairs([self.name], self.touching) + _pairs(links, {*near}.difference(self.own))
+                return _pairs([self.name], self.neighbours) + _pairs(links, {*near}.difference(self.own))
             case SegmentKind.PLACE if into is not None:
                 return _pairs([self.name], [into])
             case SegmentKind.RETREAT:
@@ -164,7 +164,7 @@ class Checks:
         return {other: parts for other, parts in self.bodies.items() if other not in self.own}
 
     @cached_property
-    def touching(self) -> tuple[str, ...]:
+    def neighbours(self) -> tuple[str, ...]:
         """The others whose clouds or bodies come within contact distance of the object's."""
         return tuple(
             other

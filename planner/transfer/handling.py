@@ -91,7 +91,7 @@ class Handling(Checks):
         marked = [replace(hand, unseen=hidden) for hand, hidden in zip(hands, unseen, strict=True)]
         return sorted(marked, key=lambda hand: hand.unseen)
 
-    def reached(
+    def reach(
         self, hands: Iterable[tuple[Grasp, FloatArray]], lenient: bool, log: FailureLog
     ) -> Iterator[Reached]:
         """States of hand poses in which the open hand is free.

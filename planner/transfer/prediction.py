@@ -29,10 +29,10 @@ def after(situation: Situation, transfer: Transfer, looked_at: bool = False) -> 
     names = (transfer.object, *transfer.riding)
     if place.how in tuple(Away) and not (looked_at and place.how is Away.ZONE):
         return situation.without(*names)
-    return rested(situation, names, place.pose_at_rest(situation.up), place.into is None)
+    return rest_at(situation, names, place.pose_at_rest(situation.up), place.into is None)
 
 
-def rested(situation: Situation, names: Sequence[str], pose: FloatArray, on_table: bool) -> Situation:
+def rest_at(situation: Situation, names: Sequence[str], pose: FloatArray, on_table: bool) -> Situation:
     """Predict the situation once things were moved, as `after` does.
 
     Args:

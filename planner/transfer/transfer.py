@@ -231,7 +231,7 @@ class _Search:
         reached: list[Iterator[Reached]]
         if self.asked.held is None:
             both = tee(self.handling.hands(grasps[: self.limits.grasps], self.handling.q_start, self.log))
-            reached = [self.handling.reached(hands, bool(k), self.log) for k, hands in enumerate(both)]
+            reached = [self.handling.reach(hands, bool(k), self.log) for k, hands in enumerate(both)]
         else:
             reached = [iter([self.asked.held]), iter([self.asked.held])]
         for way in self._ways():

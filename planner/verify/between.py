@@ -34,7 +34,7 @@ def certificates(replay: Replay) -> tuple[Proven, ...]:
     return tuple(found)
 
 
-def unproven(replay: Replay) -> Iterator[Finding]:
+def open_motions(replay: Replay) -> Iterator[Finding]:
     """Motions that a plan calls unproven or that cannot be proven, and those closer than it says."""
     for piece, certificate, kept in replay.once(certificates):
         if not piece.segment.certified:

@@ -63,12 +63,12 @@ def _depths(replay: Replay) -> tuple[tuple[bool, Finding], ...]:
     return tuple(found)
 
 
-def entered(replay: Replay) -> Iterator[Finding]:
+def depths_in_arm(replay: Replay) -> Iterator[Finding]:
     """How deep seen points are in links and what is carried [m]."""
     return (finding for onto, finding in replay.once(_depths) if not onto)
 
 
-def pressed(replay: Replay) -> Iterator[Finding]:
+def depths_in_load(replay: Replay) -> Iterator[Finding]:
     """How deep points of what an object is put on or into are in that object [m]."""
     return (finding for onto, finding in replay.once(_depths) if onto)
 

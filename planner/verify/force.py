@@ -29,7 +29,7 @@ class Weights:
     """
 
     def __init__(self, replay: Replay) -> None:
-        scene = replay.weighed()
+        scene = replay.weighing_scene()
         self.replay, self.arm, self._up = replay, replay.arm, replay.up
         self._base_up = replay.base[:3, :3].T @ self._up
         self.masses: Mapping[str, float] = {} if scene is None else scene.masses

@@ -9,7 +9,7 @@ from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.placement.away import Away
 from topple.planner.tolerances import DISTURBED
-from topple.planner.transfer.prediction import rested
+from topple.planner.transfer.prediction import rest_at
 from topple.planner.verify.replay import Finding, Replay
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SURFACE
 from topple.topology.bodies.solids import move_parts
@@ -110,7 +110,7 @@ def _derive(replay: Replay, situation: Situation) -> "tuple[Dependency, ...]":
     return DependencyGraph(full.names, tuple(left)).reduced().dependencies
 
 
-def unfounded(replay: Replay) -> Iterator[Finding]:
+def extra_dependencies(replay: Replay) -> Iterator[Finding]:
     """Dependencies that are not found again in what was seen, each with its reason and confidence.
 
     What a plan found of things that it had moved by then is looked for where its steps leave them.
@@ -142,7 +142,7 @@ def unfounded(replay: Replay) -> Iterator[Finding]:
         here = here.with_level_undersides() if index == 0 else here
         names = [step.object, *sorted(riding)]
         gone = place.how in tuple(Away)
-        here = here.without(*names) if gone else rested(here, names, pose, place.into is None)
+        here = here.without(*names) if gone else rest_at(here, names, pose, place.into is None)
         fixture.discard(step.object)
     for first, then in sorted(left):
         yield Finding(1.0, f"{first} before {then}", last.get(then, last.get(first, 0)))

@@ -145,7 +145,7 @@ class Replay:
         """The scene of the situation, likewise."""
         return self.situation.scene
 
-    def weighed(self) -> Scene | None:
+    def weighing_scene(self) -> Scene | None:
         """The scene for what was weighed and tried in it; None where none is given: everything is guessed."""
         return None if self._situation is None else self._situation.scene
 
@@ -183,7 +183,7 @@ class Replay:
             before = {name: pose for name, pose in self.poses.items() if name not in self._gone}
             count, where = len(self.taken), f"step {index + 1} ({step.object})"
             for segment in step.segments:
-                piece = Piece(index, step, segment, q, resampled(segment, q, self.spacing), {}, {}, before)
+                piece = Piece(index, step, segment, q, resample(segment, q, self.spacing), {}, {}, before)
                 q = piece.states[-1]
                 if segment.kind == SegmentKind.GRASP:
                     self._take(piece)
@@ -259,7 +259,7 @@ def off_by(a: FloatArray, b: FloatArray) -> float:
     return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), angle_between(a, b) / 10.0)
 
 
-def resampled(segment: Segment, q: FloatArray, spacing: float) -> FloatArray:
+def resample(segment: Segment, q: FloatArray, spacing: float) -> FloatArray:
     """States (m, n) along a segment's motion, `spacing` [rad] apart in the joint that moves most.
 
     Args:

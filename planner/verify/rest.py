@@ -61,14 +61,14 @@ def out_of_container(replay: Replay) -> Iterator[Finding]:
     return (piece.finds(found.outside or 0.0) for piece, found in _kept(replay, inside=True))
 
 
-def excused(replay: Replay) -> Iterator[Finding]:
+def false_falls(replay: Replay) -> Iterator[Finding]:
     """Things that are said to fall and stay."""
     for piece, found in replay.once(let_go):
         if piece.step.placement.falls and found.within():
             yield piece.finds(1.0)
 
 
-def falling(replay: Replay) -> Iterator[str]:
+def falls(replay: Replay) -> Iterator[str]:
     """Say what falls as its step says."""
     for piece, found in replay.once(let_go):
         if piece.step.placement.falls:
