@@ -274,7 +274,7 @@ def without(look: Look, gone: Collection[str]) -> Look:
     return replace(look, situation=look.situation.without(*names), surprises=said) if names else look
 
 
-def unexpected(predicted: Relations, observed: Relations) -> list[str]:
+def find_unexpected(predicted: Relations, observed: Relations) -> list[str]:
     """Pairs that were predicted apart and are seen in contact, or the other way round.
 
     Pairs that either side has not seen well enough to tell are left out.

@@ -14,7 +14,7 @@ from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, taken_over
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.lift_monitor import CameraStream, LiftMonitor, neighbours_to_watch
-from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected, without
+from topple.planner.execution.look import Look, Observer, Perception, Relate, find_unexpected, without
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.prepare import Preparer
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
@@ -297,7 +297,7 @@ class ClosedLoop:
             self._selector.preparer.prove(seen.scene)
         here = name in expected.clouds
         predicted = look.relations.updated(name, expected.clouds[name]) if here else seen.relations
-        different = unexpected(predicted, seen.relations)
+        different = find_unexpected(predicted, seen.relations)
         was, now = expected.clouds, seen.scene.clouds  # of what is hidden the cloud is kept
         changed = [n for n in seen.surprises if now.get(n) is not was.get(n)]
         self._selector.record_look(chosen, outcome, seen.surprises, changed, different)
