@@ -181,7 +181,7 @@ class Change(NamedTuple):
     """A pair whose relation is not the predicted one: "a relation b", or "not seen".
 
     `counts` says that it is a contradiction: in contact instead of apart, or the other way round, and both
-    were observed; or an object is gone. The loop counts the same (`execution.look.unexpected`).
+    were observed; or an object is gone. The loop counts the same (`execution.look.find_unexpected`).
     """
 
     a: str
