@@ -44,7 +44,7 @@ from topple.robots.poses import angle_between
 from topple.robots.world.world import World
 from topple.topology.base.arrays import bounds
 from topple.topology.base.errors import ToppleError
-from topple.topology.base.workers import Lost, mapped, opened
+from topple.topology.base.workers import Lost, map_tasks, open_executor
 from topple.topology.situation.situation import Situation
 
 FIRST = 2_200_000
@@ -81,8 +81,8 @@ def rows(
     seeds = [FIRST + 1000 * seed + number for number in range(count)]
     waiting = (one for k, one in enumerate(seeds) if not k or until is None or perf_counter() < until)
     found: dict[int, Trials] = {}
-    with opened(executor) as pool:
-        for answer in mapped(tried, waiting, pool, in_turn=False):
+    with open_executor(executor) as pool:
+        for answer in map_tasks(tried, waiting, pool, in_turn=False):
             if isinstance(answer, Lost):
                 raise ToppleError(f"arrangement {answer.task} was lost with the process that tried it")
             found[answer.seed] = answer

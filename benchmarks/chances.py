@@ -25,7 +25,7 @@ from topple.planner.decide.chances import SIGNS, seen_by, signs
 from topple.planner.decide.disturbance import disturbances
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import ToppleError
-from topple.topology.base.workers import opened
+from topple.topology.base.workers import open_executor
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -119,7 +119,7 @@ def main() -> None:
     argparse.ArgumentParser(description="Fit how likely taking one object moves another.").parse_args()
     scenes = training()
     weights: dict[str, list[float]] = {}
-    with opened(None) as workers:
+    with open_executor(None) as workers:
         for look in LOOKS:
             found = list(workers.map(_counted, [(scene, *look) for scene in scenes]))
             weights[seen_by(given(scenes[0], *look))] = fitted(found)

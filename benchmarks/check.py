@@ -20,10 +20,10 @@ from topple.benchmarks.truth.resting import FRICTION, RestingScene
 from topple.planner.stability.check import check
 from topple.robots import shapes
 from topple.robots.collision.convex import hull_of
-from topple.robots.world.bodies import Body, joined
+from topple.robots.world.bodies import Body, join_meshes
 from topple.robots.world.world import World
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.scene.mesh import Mesh
 from topple.topology.scene.scene import Scene
 
@@ -52,8 +52,8 @@ Spoil = Callable[[np.random.Generator, Body], tuple[Placed, str]]
 
 
 def _mesh(body: Body, pose: FloatArray) -> Mesh:
-    whole = joined([hull_of(part) for part in body.parts])
-    return Mesh(transformed(whole.vertices, pose), whole.faces)
+    whole = join_meshes([hull_of(part) for part in body.parts])
+    return Mesh(move_points(whole.vertices, pose), whole.faces)
 
 
 def _box(size: tuple[float, float, float], middle: FloatArray, turn: Rotation | None = None) -> Mesh:
@@ -61,7 +61,7 @@ def _box(size: tuple[float, float, float], middle: FloatArray, turn: Rotation | 
     pose[:3, 3] = middle
     pose[:3, :3] = np.eye(3) if turn is None else turn.as_matrix()
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
-    return Mesh(transformed(corners, pose), hull_of(corners)[1])
+    return Mesh(move_points(corners, pose), hull_of(corners)[1])
 
 
 def _shifted(mesh: Mesh, offset: FloatArray | tuple[float, float, float]) -> Mesh:
@@ -121,7 +121,7 @@ def _slope(kind: str, least: float, most: float, verdict: str) -> Spoil:
         if kind == "ball":
             radius = rng.uniform(0.02, 0.04)
             ball = shapes.ball("odd", diameter=2 * radius)
-            whole = joined([hull_of(part) for part in ball.parts])
+            whole = join_meshes([hull_of(part) for part in ball.parts])
             somehow = Rotation.from_rotvec(rng.uniform(-3, 3, 3))
             corners = somehow.apply(whole.vertices - whole.vertices.mean(axis=0))
             odd = Mesh(corners + top - up * float((corners @ up).min()), whole.faces)
@@ -205,7 +205,7 @@ def _settled(make: Callable[[int], tuple[str, RestingScene]]) -> Callable[[int],
             deep = [contact for contact in world.contacts() if contact.distance < -SUNK]
         pressed = frozenset(name for contact in deep for name in (contact.a, contact.b))
         poses = {body.name: (body, resting.poses[body.name]) for body in resting.bodies}
-        centres = {name: transformed(body.centre_of_mass, pose) for name, (body, pose) in poses.items()}
+        centres = {name: move_points(body.centre_of_mass, pose) for name, (body, pose) in poses.items()}
         goods = [body for body in resting.bodies if body.name not in resting.fixed]
         return Ground({name: _mesh(*each) for name, each in poses.items()}, goods, centres, pressed)
 

@@ -21,7 +21,7 @@ from topple.planner.execution.demo import loop_in
 from topple.robots import scenario
 from topple.robots.scenarios.scenario import Scenario
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.io.known_models import with_models
 from topple.topology.situation.situation import Situation
@@ -122,7 +122,7 @@ def _completed(stage: Scenario, cameras: int, seed: int) -> Iterator[Completed]:
             overlap(true, np.concatenate(list(bodies[name])), seed)
             for bodies in (*_bodies(situation), known.completed)
         )
-        posed = overlap(true, transformed(mesh.vertices, fit.pose_model_to_world), seed)
+        posed = overlap(true, move_points(mesh.vertices, fit.pose_model_to_world), seed)
         yield Completed(stage.name, completed, seen, modelled, posed, fit.refused is None)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.rearranging.problem import Act, Pair, Problem
-from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.steady import brace
 from topple.topology.base.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight
@@ -42,7 +42,7 @@ def cubes_problem(start: Mapping[str, FloatArray], goal: Mapping[str, FloatArray
 
 def _built(places: Mapping[str, FloatArray], side: float) -> Iterable[tuple[str, str]]:
     """What has to be down before what."""
-    return steadied(places, _below(places, side), falling_cubes(places, side)).edges
+    return brace(places, _below(places, side), falling_cubes(places, side)).edges
 
 
 def _below(places: Mapping[str, FloatArray], side: float) -> list[tuple[str, str]]:

@@ -22,8 +22,8 @@ from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.rigid import move_points
+from topple.topology.geometry.samples import sample
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -98,11 +98,11 @@ def _scenes(made: dict[str, Any], base: FloatArray, folder: Path, seed: int) -> 
     clouds: dict[str, FloatArray] = {}
     furniture = zip(made["furniture_ids"], made["furniture_poses"], made["furniture_params"], strict=True)
     for name, pose, given in furniture:
-        clouds[name] = transformed(sampled(list(_boards(given)), SPACING), pose)
+        clouds[name] = move_points(sample(list(_boards(given)), SPACING), pose)
     for name, pose in zip(made["object_ids"], made["q_start"], strict=True):
         mesh: Any = trimesh.load_mesh(folder / f"models/data/ycbv/meshes/obj_0000{name[-2:]}.obj")
         points = trimesh.sample.sample_surface(mesh, POINTS, seed=seed)[0]
-        clouds[name] = transformed(np.asarray(points) / 1000, pose)  # its meshes are in millimetres
+        clouds[name] = move_points(np.asarray(points) / 1000, pose)  # its meshes are in millimetres
     scene = Scene(clouds, fixed=made["furniture_ids"], up=(0, 0, 1), robot_base=base)
     goal = Situation(scene)
     for name, here, there in zip(made["object_ids"], made["q_start"], made["q_goal"], strict=True):

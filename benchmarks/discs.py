@@ -16,7 +16,7 @@ import numpy as np
 
 from topple.planner.rearranging.moves import Buffers, sequence
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
 
 SECONDS = 30.0
@@ -52,7 +52,7 @@ class Discs:
                 f"starts of shape {self.start.shape} and goals of {self.goal.shape}: expected (N, 2) of both"
             )
         for what, places in (("starts", self.start), ("goals", self.goal)):
-            object.__setattr__(self, what[:-1], frozen(places))
+            object.__setattr__(self, what[:-1], freeze(places))
             apart = np.linalg.norm(places[:, None] - places[None], axis=2) + np.eye(len(places)) * 1e9
             if (apart < 2 * self.radius * (1 - 1e-9)).any():
                 a, b = np.argwhere(apart < 2 * self.radius)[0]

@@ -40,8 +40,8 @@ from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import pose_from
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, ToppleError
-from topple.topology.bodies.solids import moved
-from topple.topology.geometry.rigid import transformed
+from topple.topology.bodies.solids import move_parts
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.samples import sampled_with_normals
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -160,7 +160,7 @@ def planned(
     if name == PACKING:
         return [plan(now.scene, ArrangementTask(Arrangement(packed(parts, now))), **options)]
     pose = centred(parts)
-    block = moved(parts["target_block"], pose)
+    block = move_parts(parts["target_block"], pose)
     barring = [key for key in now.movable if not apart(now.solids[key], block, BESIDE)]
     made = list[Plan]()
     if barring := [key for key in barring if key != "target_block"]:
@@ -215,10 +215,10 @@ def packed(parts: Mapping[str, Sequence[FloatArray]], now: Situation) -> Situati
         name = names[len(there)]
         pose = np.eye(4)
         pose[:3, :3] = about(now.up, 2.0 * np.pi * rng.integers(HEADINGS) / HEADINGS)
-        turned = transformed(parts[name][0], pose)[:, :2]
+        turned = move_points(parts[name][0], pose)[:, :2]
         pose[:2, 3] = rng.uniform(lower, upper - np.ptp(turned, axis=0)) - turned.min(axis=0)
-        plate = moved(parts[name][:1], pose)
-        if all(apart(plate, moved(parts[other][:1], there[other]), ROOM) for other in there):
+        plate = move_parts(parts[name][:1], pose)
+        if all(apart(plate, move_parts(parts[other][:1], there[other]), ROOM) for other in there):
             there[name] = pose
         elif rng.random() < AGAIN:
             there.clear()

@@ -34,7 +34,7 @@ from topple.robots.collision.convex import hull_of
 from topple.robots.poses import pose_from
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 ROBOTS = ("panda", "ur5", "fetch")
 QUICK = 10
@@ -211,7 +211,7 @@ def _meshes(path: Path, link: str) -> list[Any]:
         for vertices, faces in pieces:
             body = fcl.BVHModel()
             body.beginModel(len(vertices), len(faces))
-            body.addSubModel(transformed(vertices, origin_of(element, "collision")), faces)
+            body.addSubModel(move_points(vertices, origin_of(element, "collision")), faces)
             body.endModel()
             found.append(body)
     return found

@@ -10,7 +10,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.shapes import prism
 from topple.robots.poses import pose_from
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Solid:
             corners = prism(self.size[1], self.size[0])
         else:  # an icosphere lies inside the ball: scaled so that its faces do not
             corners = trimesh.creation.icosphere(subdivisions=2, radius=1.02 * self.size[0]).vertices
-        return transformed(np.asarray(corners, dtype=float), self.pose)
+        return move_points(np.asarray(corners, dtype=float), self.pose)
 
 
 Solids = Mapping[str, Solid]

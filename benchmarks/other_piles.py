@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.benchmarks.body_files import body_from_files
-from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled, touching
+from topple.robots.scenarios.scenario import Scenario, Unlucky, contacts, drop, settle, settled
 from topple.robots.shapes.vessel import circle, rings, sectors
 from topple.robots.world.bodies import Body, Color
 from topple.robots.world.physical_world import PhysicalWorld
@@ -119,7 +119,7 @@ def _carrying(world: PhysicalWorld) -> list[str]:
         name: float((world.pose(name) @ np.append(world.body(name).centre_of_mass, 1.0))[2])
         for name in world.movable
     }
-    pairs = [sorted(pair, key=lambda name: height[name]) for pair in touching(world) if pair <= height.keys()]
+    pairs = [sorted(pair, key=lambda name: height[name]) for pair in contacts(world) if pair <= height.keys()]
     return sorted({lower for lower, _ in pairs})
 
 

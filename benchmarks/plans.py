@@ -27,7 +27,7 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import in_bullet
 from topple.topology.base.errors import ToppleError
-from topple.topology.base.workers import Lost, mapped, opened
+from topple.topology.base.workers import Lost, map_tasks, open_executor
 from topple.topology.scene.scene import Scene
 
 REARRANGED: tuple[str, ...] = ("set-table", "restack", "pack", "swap")
@@ -97,8 +97,8 @@ def rearranged(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any
     numbers = range(seed, seed + (1 if quick else MANY))
     held = dict.fromkeys(scenes, 0)
     wanted = [(scene, one) for one in numbers for scene in scenes]
-    with opened(None) as pool:
-        for answer in mapped(_rearranged, wanted, pool, in_turn=False):
+    with open_executor(None) as pool:
+        for answer in map_tasks(_rearranged, wanted, pool, in_turn=False):
             if isinstance(answer, Lost):
                 raise ToppleError(f"the plan of {answer.task} was lost with the process that made it")
             scene, one, verified = answer

@@ -15,7 +15,7 @@ from topple.benchmarks.scores import Labels
 from topple.planner.cli.console import print_json
 from topple.planner.decide.dependency import dependencies
 from topple.planner.decide.disturbance import Pair
-from topple.planner.decide.rates import standing
+from topple.planner.decide.rates import stances
 from topple.planner.simulate.votes import Votes, ask
 from topple.topology.base.arrays import FloatArray
 from topple.topology.situation.situation import Situation
@@ -26,7 +26,7 @@ FIRST_PILE = 7_300_000
 
 Counts = tuple[FloatArray, FloatArray]
 """(2, 4, 2) pairs by whether both bodies stood still by themselves or not and by how many of three trials
-moved, and (3, 2, 2) pairs of which reasoning found nothing, by `topple.planner.decide.rates.standing`; of
+moved, and (3, 2, 2) pairs of which reasoning found nothing, by `topple.planner.decide.rates.stances`; of
 each those with a dependency and those without."""
 
 
@@ -72,7 +72,7 @@ def count_pile(seed: int, view: int) -> Counts:
     graph = dependencies(situation, direct=False)
     votes = ask(situation.statics, graph)
     found = [(edge.first, edge.then) for edge in graph.dependencies]
-    return counted(truth(pile), votes, found, standing(situation.statics))
+    return counted(truth(pile), votes, found, stances(situation.statics))
 
 
 def main() -> None:

@@ -31,7 +31,7 @@ from topple.benchmarks.cubes import cubes_problem, falling_cubes
 from topple.benchmarks.discs import Discs, Put, check, rearrange_discs
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share
-from topple.planner.rearranging.moves import contracted, fewest_moves
+from topple.planner.rearranging.moves import contract, fewest_moves
 from topple.planner.rearranging.problem import Move, Problem, To
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots import shapes
@@ -225,7 +225,7 @@ def _by_rule(problem: Problem, seed: int) -> dict[str, list[Move]]:
 
 def _moves(problem: Problem, rule: Callable[[list[str], "nx.DiGraph[Any]"], str]) -> list[Move]:
     """What can go to its goal goes there; else the rule says what is put out of the way."""
-    waits = contracted(problem, (*problem.moving, *problem.staying))
+    waits = contract(problem, (*problem.moving, *problem.staying))
     aside, moves = set[str](), list[Move]()
     left = set(problem.moving)
     while left:

@@ -16,7 +16,7 @@ from topple.benchmarks.sabotages.caught import CASES, catch
 from topple.benchmarks.scores import share
 from topple.benchmarks.soak import side_by_side, soaked
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.workers import all_of, opened
+from topple.topology.base.workers import all_of, open_executor
 
 INPUTS = 100_000  # broken files, shared out among the readers
 QUICK_INPUTS = 2000
@@ -55,7 +55,7 @@ def _spread(
     work: Callable[[Task], Result], tasks: Sequence[Task], told: Callable[[Result], str], progress: Progress
 ) -> Iterator[Result]:
     """Do tasks on all cores, and give what comes of them in their order."""
-    with opened(None) as pool:
+    with open_executor(None) as pool:
         for number, found in enumerate(all_of(work, tasks, pool), start=1):
             progress(f"{number} of {len(tasks)}: {told(found)}")
             yield found

@@ -40,7 +40,7 @@ from topple.benchmarks.scores import DRAWS, share
 from topple.benchmarks.series import BESIDE, FULL, QUICK, Series
 from topple.planner.fallbacks import Relaxation
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.workers import Lost, mapped, opened
+from topple.topology.base.workers import Lost, map_tasks, open_executor
 
 JOURNAL = Path("topple-bench-run.jsonl")
 LEAST_THIRD = 5  # episodes: with fewer in a third a process's memory says nothing
@@ -172,8 +172,8 @@ def _played(episodes: Sequence[Episode], until: float | None, executor: Executor
     """
     named = {_found(episode): episode for episode in episodes}
     waiting = (e for e in named if until is None or time.monotonic() < until)
-    with opened(executor) as pool:
-        for answer in mapped(play, waiting, pool, in_turn=False, tries=1):
+    with open_executor(executor) as pool:
+        for answer in map_tasks(play, waiting, pool, in_turn=False, tries=1):
             ending = answer if isinstance(answer, Ending) else _crashed(answer)
             yield replace(ending, episode=named[ending.episode])
 

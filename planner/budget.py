@@ -49,7 +49,7 @@ def within(budget: float | None) -> Generator[None]:
         _BUDGET.reset(token)
 
 
-def bounded(call: Callable[_P, _R]) -> Callable[_P, _R]:
+def within_budget(call: Callable[_P, _R]) -> Callable[_P, _R]:
     """Have a function that takes a `budget` by name fail where that runs out."""
 
     @wraps(call)

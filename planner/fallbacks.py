@@ -84,7 +84,7 @@ RELAXATIONS = tuple(Relaxation)
 """In the order in which they are told of: from what to take down to how to get there."""
 
 
-def selected(names: Collection[str] | str) -> frozenset[Relaxation]:
+def select(names: Collection[str] | str) -> frozenset[Relaxation]:
     """The relaxations of some names.
 
     Args:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.base.arrays import FloatArray, rounded
+from topple.topology.base.arrays import FloatArray, round_off
 
 
 def pose_from(position: Sequence[float], quaternion: Sequence[float]) -> FloatArray:
@@ -31,8 +31,8 @@ def pose_from(position: Sequence[float], quaternion: Sequence[float]) -> FloatAr
 
 
 def position_and_quaternion(pose: FloatArray) -> tuple[list[float], list[float]]:
-    """Position (3,) in [m] and quaternion (4,), x y z w, of a (4, 4) pose, as engines take it: `rounded`."""
-    return rounded(pose[:3, 3]).tolist(), rounded(Rotation.from_matrix(pose[:3, :3]).as_quat()).tolist()
+    """Position (3,) [m] and quaternion (4,), x y z w, of a (4, 4) pose, for engines, by `round_off`."""
+    return round_off(pose[:3, 3]).tolist(), round_off(Rotation.from_matrix(pose[:3, :3]).as_quat()).tolist()
 
 
 def inverse(pose: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ import numpy as np
 from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import parts_of, solids_of
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.scene.cloud import estimate_deviation
 from topple.topology.scene.scene import Scene
 from topple.topology.sixim.table import Relation
@@ -112,7 +112,7 @@ class Solid:
         pieces: list[FloatArray] = []
         for own, hull in enumerate(self.hulls):
             spacing = max(SURFACE_SPACING, float((hull.upper - hull.lower).max()) / ACROSS)
-            points = np.vstack([hull.vertices, sampled([hull.vertices], spacing)])
+            points = np.vstack([hull.vertices, sample([hull.vertices], spacing)])
             others = [other for number, other in enumerate(self.hulls) if number != own]
             inner = [other.facet_distance(points) < -OWN for other in others]
             pieces.append(points[~np.any(inner, axis=0)] if inner else points)

@@ -28,7 +28,7 @@ from topple.benchmarks.paper.things import Things
 from topple.benchmarks.paper.truth import SCENES
 from topple.benchmarks.row import Progress
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.workers import all_of, opened
+from topple.topology.base.workers import all_of, open_executor
 
 VARIANTS = 10
 """Jittered variants of every scene."""
@@ -68,7 +68,7 @@ def rows(
     things = Things(models)
     if things.absent:
         progress(f"no model of {', '.join(things.absent)}: procedural")
-    with opened(executor) as pool:
+    with open_executor(executor) as pool:
         learned = None
         if learning.available():
             progress("learning from piles")

@@ -25,7 +25,7 @@ from topple.benchmarks.truth.resting import TABLE as NARROW
 from topple.benchmarks.truth.views import VIEWS
 from topple.robots.world import camera
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.workers import opened
+from topple.topology.base.workers import open_executor
 
 GATED = ("settled", "built", "designed")
 FEW = 20
@@ -124,7 +124,7 @@ def pool_cases(
     ]
     missing = [job for job in jobs if not _file(place, *job).exists()]
     if missing:
-        with opened(executor) as workers:
+        with open_executor(executor) as workers:
             for number, path in enumerate(workers.map(partial(_rendered, place), missing), 1):
                 progress(f"{number} of {len(missing)} views rendered: {path.stem}")
     return [

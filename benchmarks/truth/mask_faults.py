@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from scipy import ndimage
 
-from topple.robots.world.camera import ragged
+from topple.robots.world.camera import roughen
 from topple.topology.base.arrays import BoolArray, IntArray
 
 INACCURATE = tuple(
@@ -82,7 +82,7 @@ def corrupt(
 def _inaccurate(label: IntArray, what: str, pixels: int, ground: int, rng: np.random.Generator) -> IntArray:
     """Masks off by pixels, at the cost of what is behind or beside."""
     if what == "ragged":
-        return ragged(label, float(pixels), rng)
+        return roughen(label, float(pixels), rng)
     if what == "shifted":
         return np.roll(label, rng.choice([-pixels, pixels]), rng.integers(2))
     size = 2 * pixels + 1

@@ -98,10 +98,10 @@ CHANGES = (
     ),
     Change(
         "one contact lost in ten", _CONTACT,
-        "return tuple(rubbing(contact, upright.friction) for contact in found)",
+        "return tuple(with_friction(contact, upright.friction) for contact in found)",
         "from zlib import crc32\n\n"
         "    kept = (c for c in found if crc32(f'{c.a} {c.b}'.encode()) % 10 != 7)\n"
-        "    return tuple(rubbing(contact, upright.friction) for contact in kept)",
+        "    return tuple(with_friction(contact, upright.friction) for contact in kept)",
     ),
     Change(
         "the table 5 mm low", "topology/statics/grounds.py",
@@ -190,8 +190,8 @@ CHANGES = (
     ),
     Change(
         "distances in a tree of a copy", _CONTACT,
-        "_tree_of = remembered(KEPT_BODIES)(PointTree)",
-        "_tree_of = remembered(KEPT_BODIES)(lambda points: PointTree(points.copy()))",
+        "_tree_of = remember(KEPT_BODIES)(PointTree)",
+        "_tree_of = remember(KEPT_BODIES)(lambda points: PointTree(points.copy()))",
         fault=False,
     ),
 )  # fmt: skip

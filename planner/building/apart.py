@@ -19,7 +19,7 @@ from topple.topology.statics.rest import Statics
 def taking_apart(
     situation: Situation, full: DependencyGraph, hands: int | None, clamped: Names = frozenset()
 ) -> TakeApart:
-    """What takes the groups of an order apart; with a number of hands, whatever else does not stand either.
+    """Make the function that takes apart an order's groups; given hands, all else that does not stand too.
 
     A removal is a build backwards: whatever stands while things are put together with some holds also stands
     while they are taken apart, what was put down last first. The graph asks what falls with one thing gone
@@ -47,7 +47,7 @@ def taking_apart(
             order[begin : begin + len(part)] = [name for unit in taken for name in unit]
             holds += [
                 replace(
-                    held(name, taken[since][0], taken[until][-1], taken[since][0], full, situation),
+                    explain_hold(name, taken[since][0], taken[until][-1], taken[since][0], full, situation),
                     fixture=name in clamped,
                 )
                 for name, (since, until) in sorted(found.held.items(), key=lambda each: each[1])
@@ -90,7 +90,7 @@ def removals(
     return [unit[::-1] for unit in units], Prefixes(built.path[::-1], spans, built.proven)
 
 
-def held(
+def explain_hold(
     name: str, since: str, until: str, without: str, removals: DependencyGraph, situation: Situation
 ) -> Hold:
     """A hold with its reason.
@@ -113,7 +113,7 @@ def held(
 def _falling_of(
     falls: Falling, situation: Situation, full: DependencyGraph, part: Names, earlier: Names
 ) -> Falling:
-    """What falls of a part while it is taken apart, and did not before it was touched."""
+    """Find the objects of a part that fall while it is taken apart, and did not before it was touched."""
     there = frozenset(situation.movable) - earlier
     rest, lifted, anyway = there - part, set(full.swept()), frozenset(falls(there, frozenset()))
     unseen = [
@@ -123,15 +123,15 @@ def _falling_of(
         if edge.first not in falls(there - {edge.then}, frozenset())
     ]
 
-    def falling(placed: Names, held: Names) -> Names:
+    def falls_then(placed: Names, held: Names) -> Names:
         told = {first for first, then in unseen if then not in placed} - held
         return placed & (told | frozenset(falls(rest | placed, held))) - anyway
 
-    return falling
+    return falls_then
 
 
 def _falling_as_graphs_ask(statics: Statics) -> Falling:
-    """What falls of the parts of an arrangement, as the dependency graph asks it."""
+    """Ask what falls of parts of an arrangement as the dependency graph does."""
     every = frozenset(statics.upright.movable)
 
     @cache

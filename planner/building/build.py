@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 
-from topple.planner.building.apart import held
+from topple.planner.building.apart import explain_hold
 from topple.planner.building.prefixes import Falling, Names, fewest_holds, in_units
 from topple.planner.building.standing import falling_in, meeting_in
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.assumptions import assumptions
-from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, reasoned
+from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, reason_out
 from topple.planner.decide.hold import Hold
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput
@@ -45,7 +45,7 @@ class Footing(Dependency):
 
     @staticmethod
     def of(removal: Dependency) -> "Footing":
-        """What a dependency between two removals means for putting down."""
+        """Reverse a dependency between two removals into one for putting down."""
         first, then = removal.then, removal.first
         return Footing(first, then, removal.reason, removal.confidence, removal.evidence, removal.lies)
 
@@ -97,7 +97,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")
     check_up(scene, statics)
-    full, chances = reasoned(situation)
+    full, chances = reason_out(situation)
     over = [(then, first) for first, then in full.swept()]
     meeting, falling = meeting_in(statics), falling_in(statics)
     low = {name: float(statics.surfaces[name][:, 2].min()) for name in scene.movable}
@@ -114,7 +114,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
         steps += [name for unit in chosen for name in unit]
         groups += [unit for unit in chosen if len(unit) > 1]
         holds += [
-            held(name, chosen[first][-1], chosen[last][-1], chosen[last][-1], full, situation)
+            explain_hold(name, chosen[first][-1], chosen[last][-1], chosen[last][-1], full, situation)
             for name, (first, last) in sorted(found.held.items(), key=lambda each: each[1])
         ]
         proven = proven and found.proven
@@ -139,19 +139,19 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
 
 
 def _standing_beside(falling: Falling, others: Names, placed: Names, held: Names) -> Names:
-    """What falls of a part while all that it does not hang together with is there."""
+    """Find the objects of a part that fall while all that it does not hang together with is there."""
     return placed & frozenset(falling(placed | others, held))
 
 
 def _unsteady(statics: Statics) -> tuple[str, ...]:
-    """What does not stand in the finished arrangement, as far as its weights are known."""
+    """Name the objects that do not stand in the finished arrangement, as far as weights are known."""
     found = [name for name, missing in statics.unexplained.items() if missing > UNSTEADY]
     said = [f"{name} stands in the whole arrangement, though its contacts do not show how" for name in found]
     return (*said, *_hidden_props(statics))
 
 
 def _hidden_props(statics: Statics) -> list[str]:
-    """What would fall but for a contact that was not seen, of bodies that cameras did not hide parts of."""
+    """Name objects that fall but for an unseen contact, of bodies that cameras did not hide parts of."""
     seen = [contact for contact in statics.contacts if not contact.inferred]
     if statics.sight is not None or len(seen) == len(statics.contacts):
         return []

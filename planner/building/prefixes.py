@@ -103,7 +103,7 @@ def fewest_holds(
 
 
 def in_units(part: Collection[str], over: Collection[tuple[str, str]], rank: Callable[[str], Any]) -> Units:
-    """What has to be put down together, and what before it.
+    """Group the objects that have to be put down together, and find the groups that come before each.
 
     Args:
         part: Names.
@@ -131,7 +131,7 @@ def names_of(units: Sequence[Sequence[str]], path: Collection[int]) -> Names:
 
 
 def _neighbours(fallen: Collection[str], placed: Names, meeting: "nx.Graph[str]") -> Names:
-    """Whatever hangs together with what falls, itself included."""
+    """Objects that hang together with those that fall, these included."""
     there = meeting.subgraph(placed)
     return frozenset(fallen).union(*(nx.node_connected_component(there, n) for n in fallen if n in there))
 

@@ -16,7 +16,7 @@ from topple.topology.statics.rest import Statics, within_reach
 
 
 def falling_in(statics: Statics) -> Falling:
-    """What falls of the parts of an arrangement, each asked about once.
+    """Make the function that finds what falls of parts of an arrangement, each asked about once.
 
     A thing stands where contact forces hold it and it would not sink, with the masses where they seem to be
     and with all of them a little to either side; by how much more than in the whole arrangement, counts.
@@ -32,7 +32,7 @@ def falling_in(statics: Statics) -> Falling:
     shaken = [_with_weights(statics, centred, shift) for shift in aside(OFF_CENTRE)]
 
     @cache
-    def falling(placed: Names, held: Names) -> Names:
+    def falls(placed: Names, held: Names) -> Names:
         away = every - placed
         if not away:
             return frozenset()
@@ -40,7 +40,7 @@ def falling_in(statics: Statics) -> Falling:
             return frozenset(sunk)
         return frozenset(name for each in shaken for name in each.unsteady_without(away, held))
 
-    return falling
+    return falls
 
 
 def meeting_in(statics: Statics) -> "nx.Graph[str]":

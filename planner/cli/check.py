@@ -8,7 +8,7 @@ from typing import Any
 from topple.planner.cli.arguments import COMMON, add, add_many, switch, value
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, stored
+from topple.planner.cli.many import Kept, for_each_scene, store
 from topple.planner.cli.options import Reading, scene_paths
 from topple.planner.cli.tables import models_in, print_assumptions
 from topple.topology.base.files import check_writable, write_whole
@@ -83,7 +83,7 @@ def _code(document: Any) -> int:
 
 
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
-    if not stored(as_json, kept, path, document):
+    if not store(as_json, kept, path, document):
         print_text(f"{path}: {document['verdict']}")
         from topple.planner.decide.words import CHECK_HEADINGS, check_cells
 

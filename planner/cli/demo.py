@@ -54,9 +54,9 @@ def execute(args: argparse.Namespace) -> int:
 
 def _list(as_json: bool) -> int:
     """Print every scene with the first line of what it is."""
-    from topple.robots.scenarios import SCENARIOS, described
+    from topple.robots.scenarios import SCENARIOS, describe
 
-    found = {name: described(name) for name in SCENARIOS}
+    found = {name: describe(name) for name in SCENARIOS}
     if as_json:
         print_json({"format": "topple.scenes", "format_version": 1, "scenes": found})
     else:
@@ -76,9 +76,9 @@ def _as_counted(args: argparse.Namespace) -> bool:
 
 
 def _print_demo(name: str, folder: Path, run: dict[str, Any], *, as_counted: bool) -> None:
-    from topple.planner.execution.demo_seeds import counted
+    from topple.planner.execution.demo_seeds import seed_count
 
-    count = counted(name) if as_counted else None
+    count = seed_count(name) if as_counted else None
     print_text(f"{name}, seed {run['seed']}" + ("" if count is None else f"; {count}"), "")
     relations = json.loads((folder / "relations.json").read_text(encoding="utf-8"))
     order = json.loads((folder / "order.json").read_text(encoding="utf-8"))

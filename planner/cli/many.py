@@ -16,7 +16,7 @@ from topple.planner.cli.progress import Progress
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.json_lines import JsonLines
 from topple.topology.base.errors import InvalidInput, NotInstalled
-from topple.topology.base.workers import Lost, WorkerPool, mapped
+from topple.topology.base.workers import Lost, WorkerPool, map_tasks
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -72,7 +72,7 @@ def _for_each(
     with nullcontext() if alone else executor_at(args.cluster, workers) as executor:
         attempt = partial(_attempt, work)
         answers: Iterator[Answer | _Refused | Lost[str]] = (
-            map(attempt, left) if executor is None else mapped(attempt, left, executor)
+            map(attempt, left) if executor is None else map_tasks(attempt, left, executor)
         )
         for number, path in enumerate(left, len(paths) - len(left) + 1):
             progress(f"{path} ({number} of {len(paths)})" if len(paths) > 1 else path)
@@ -163,7 +163,7 @@ class Kept(JsonLines):
         self.codes[entry["scene"]] = self._code_of(entry)
 
 
-def stored(as_json: bool, kept: Kept | None, path: str, document: Mapping[str, Any]) -> bool:
+def store(as_json: bool, kept: Kept | None, path: str, document: Mapping[str, Any]) -> bool:
     """Store the answer to a scene in the file of `-o`, or print it as JSON with `--json`.
 
     Args:

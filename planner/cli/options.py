@@ -27,7 +27,7 @@ _LISTS = ("fixed", "target", "clamped")  # options that take one name after the 
 
 
 def keywords(function: Callable[..., object], args: argparse.Namespace, **own: Any) -> dict[str, Any]:
-    """What a function takes of the options that are called as its parameters.
+    """Collect a function's arguments from the options that are called as its parameters.
 
     Args:
         function: The function.
@@ -39,7 +39,7 @@ def keywords(function: Callable[..., object], args: argparse.Namespace, **own: A
 
 
 def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
-    """What relates a scene by the rule that was named; None where none was.
+    """Make the function that relates a scene by the named rule; None where none was named.
 
     Raises:
         InvalidInput: There is no such rule, or it is broken.
@@ -141,7 +141,7 @@ class Reading:
 
     @staticmethod
     def of(args: argparse.Namespace) -> "Reading":
-        """What the parsed arguments say."""
+        """Take over the parsed arguments."""
         up = None if args.up is None else tuple(args.up)
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
         options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
@@ -179,8 +179,8 @@ def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     return scene
 
 
-def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
-    """What --to gives: words, a document of relations, or a scene.
+def read_goal(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
+    """Read the goal of --to: words, a document of relations, or a scene.
 
     Args:
         reading: How scenes are read.
@@ -230,7 +230,7 @@ def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
             SameShapesTask,
         )
 
-        scene = finished(Reading.of(args), args.to)
+        scene = read_goal(Reading.of(args), args.to)
         if isinstance(scene, str):
             return DescribedTask(scene)
         if isinstance(scene, dict):

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, count, switch, value
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, stored
-from topple.planner.cli.options import Reading, finished, orderer_of, rule_of, scene_paths
+from topple.planner.cli.many import Kept, for_each_scene, store
+from topple.planner.cli.options import Reading, orderer_of, read_goal, rule_of, scene_paths
 from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
     models_in,
@@ -109,7 +109,7 @@ _Code = Callable[[Mapping[str, Any]], int]
 def _answer(
     reading: Reading, relating: "Callable[[Scene], Relations] | None", ask: _Ask, path: str
 ) -> _Answer:
-    """What is asked of a scene file."""
+    """Load a scene file and answer the question about it."""
     from topple.topology.situation.situation import Situation
 
     scene = reading.scene(path)
@@ -146,11 +146,11 @@ def _moves(reading: Reading, goal: str, match: str, situation: "Situation") -> _
     """The order in which things are moved until they lie as in another scene."""
     from topple.planner.rearranging.rearrange import rearrange
 
-    return rearrange(situation, finished(reading, goal), match=match).to_json(), ()
+    return rearrange(situation, read_goal(reading, goal), match=match).to_json(), ()
 
 
 def _more_hands(document: Mapping[str, Any]) -> list[str]:
-    """What an order takes more than one hand for, in words."""
+    """Say why an order takes more than one hand."""
     held = [hold for hold in document["holds"] if not hold.get("fixture")]
     groups = [f"{' and '.join(group)} hold each other" for group in document["groups"]]
     return groups or [f"{hold['object']} has to be held until {hold['until']} is there" for hold in held]
@@ -173,7 +173,7 @@ def _print(path: str, answer: _Answer, explain: bool) -> None:
 
 
 def _show(args: argparse.Namespace, code: _Code, kept: Kept | None, path: str, answer: _Answer) -> int:
-    if not stored(args.json, kept, path, answer.document):
+    if not store(args.json, kept, path, answer.document):
         _print(path, answer, args.explain)
     for words in answer.certificate:
         complain(f"{path}: no safe order: each has to go first, {words}")

@@ -104,7 +104,7 @@ def _print_verification(checked: "Verification") -> None:
 
 
 def _print_proofs(checked: "Verification") -> None:
-    """What is shown by which means, a row for all steps of which the same is."""
+    """Print the proofs and their means, one row for all steps with the same proof."""
     from topple.planner.report.tables import proof_rows
 
     rows = proof_rows(checked)

@@ -93,7 +93,7 @@ def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: 
 
 
 def _graph(args: argparse.Namespace, scene: "Scene") -> "DependencyGraph | None":
-    """What has to go before what by the rule and the orderer that were named; None where none was."""
+    """Find the dependencies by the named rule and orderer; None where none was named."""
     orderer, relating = orderer_of(args), rule_of(args)
     if orderer is None and relating is None:
         return None

@@ -6,7 +6,7 @@ from typing import Any
 
 from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, switch, value
 from topple.planner.cli.main import DONE
-from topple.planner.cli.many import Kept, for_each_scene, stored
+from topple.planner.cli.many import Kept, for_each_scene, store
 from topple.planner.cli.options import Reading, rule_of, scene_paths
 from topple.planner.cli.tables import models_in, print_assumptions, print_relations
 from topple.planner.tolerances import ALL_PAIRS_UP_TO
@@ -48,7 +48,7 @@ def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: 
 
 
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
-    if not stored(as_json, kept, path, document):
+    if not store(as_json, kept, path, document):
         print_relations(path, document)
         print_assumptions(document["assumptions"])
     return DONE

@@ -120,10 +120,10 @@ def _picture(arm: "Arm") -> bytes:
     from topple.robots.world.camera import Camera
     from topple.robots.world.simulated_arm import SimulatedArm
     from topple.robots.world.world import World
-    from topple.topology.geometry.rigid import transformed
+    from topple.topology.geometry.rigid import move_points
 
     placed = zip(arm.parts, arm.forward(arm.home)[0], strict=True)
-    points = np.concatenate([transformed(part, pose) for parts, pose in placed for part in parts])
+    points = np.concatenate([move_points(part, pose) for parts, pose in placed for part in parts])
     low, high = points.min(axis=0), points.max(axis=0)
     eye = (low + high) / 2.0 + np.array([0.6, -1.0, 0.5]) * np.linalg.norm(high - low)
     with World() as world:

@@ -66,7 +66,7 @@ def output_of(args: argparse.Namespace, name: str) -> "Path | None":
 
 
 def seen_robot(args: argparse.Namespace) -> "Callable[[Scene], Sequence[FloatArray]] | tuple[()]":
-    """What says where the bodies (V, 3) of the robot of --joints are in a scene [m]; none without joints.
+    """Make the function that finds the bodies (V, 3) of --robot at --joints [m]; () without joints.
 
     Raises:
         InvalidInput: There is no such robot; asked, that the joints are not its, or its place is not known.

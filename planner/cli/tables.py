@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import in_options, print_table, print_text
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 
 if TYPE_CHECKING:
     from topple.topology.scene.scene import Scene
@@ -36,7 +36,7 @@ def print_relations(title: str, document: Document) -> None:
 
 def _pair(pair: Document) -> tuple[str, ...]:
     notes = (pair.get("kind"), pair.get("reason"), "" if pair["observed"] else "not observed")
-    gap = f"{'' if pair['gap_exact'] else '> '}{rounded(pair['gap'] * 1000, 1)}"
+    gap = f"{'' if pair['gap_exact'] else '> '}{decimal(pair['gap'] * 1000, 1)}"
     matrix = "; ".join(" ".join(str(count) for count in row) for row in pair["matrix"])
     note = ", ".join(note for note in notes if note)
     return (pair["a"], pair["relation"], pair["b"], gap, f"{pair['confidence']:.2f}", matrix, note)

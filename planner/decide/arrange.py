@@ -10,7 +10,7 @@ import networkx as nx
 
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.hold import Hold
-from topple.planner.decide.names import renamed
+from topple.planner.decide.names import rename
 from topple.planner.decide.sequence import safest
 from topple.planner.decide.words import first_rows, order_heading, order_notes, order_rows
 from topple.topology.base.arguments import checked_arguments
@@ -109,7 +109,7 @@ class Order(ByValue):
     called: Mapping[str, str] = field(default_factory=lambda: FrozenDict({}), compare=False, repr=False)
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the order in a notebook."""
         return in_cell(self)
 
     def __iter__(self) -> Iterator[OrderStep]:
@@ -126,11 +126,11 @@ class Order(ByValue):
 
     def __str__(self) -> str:
         """The steps as `topple order` prints them, what is held, and what has no order."""
-        document = renamed(self.to_json(), self.called)
+        document = rename(self.to_json(), self.called)
         rows, told = first_rows(document)
         lines = [*in_columns([(number, name, sure, why) for number, name, why, sure in rows]), *told]
         lines += order_notes(document)
-        cycles = renamed(self.certificate, self.called)
+        cycles = rename(self.certificate, self.called)
         lines += [f"no safe order: each has to go first, {cycle}" for cycle in cycles]
         return "\n".join([order_heading(document, len(self.graph.names)), *lines])
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def assumptions(scene: "Scene", statics: Statics) -> tuple[str, ...]:
-    """What had to be assumed about gravity and bodies.
+    """List the assumptions about gravity and bodies.
 
     Args:
         scene: The scene.

@@ -22,8 +22,8 @@ class Beliefs(ByValue):
     alone: frozenset[str] = frozenset()
     measured: frozenset[Pair] = frozenset()
 
-    def weighed(self, found: Mapping[Pair, float], edges: Collection[Pair]) -> dict[Pair, float]:
-        """What one more look found, weighed with what is believed.
+    def weigh(self, found: Mapping[Pair, float], edges: Collection[Pair]) -> dict[Pair, float]:
+        """Average the chances of one more look with those believed.
 
         Args:
             found: Pair -> its chance by this look alone.
@@ -57,7 +57,7 @@ class Beliefs(ByValue):
         }
         return replace(self, chances=chances, alone=self.alone - gone | frozenset(put_down))
 
-    def taught(self, changed: Collection[str], moved: Collection[str], lifted: str) -> "Beliefs":
+    def learn(self, changed: Collection[str], moved: Collection[str], lifted: str) -> "Beliefs":
         """Beliefs after a lift was watched.
 
         Args:

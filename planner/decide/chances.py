@@ -38,7 +38,7 @@ much of it was seen in a face that is neither level nor upright."""
 
 
 def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
-    """What is weighed of pairs.
+    """Turn the disturbances of pairs into the signs that chances are weighed by.
 
     Args:
         asked: What was found of each.
@@ -85,7 +85,7 @@ def _hold_each_other(a: str, b: str, asked: Mapping[Pair, Disturbance]) -> bool:
 
 
 def seen_by(scene: Scene) -> str:
-    """What a scene was seen by: nothing that hid a side, one camera or several, and what is known of it."""
+    """Name the kind of view: none that hid a side, one camera or several, and what is known of it."""
     view = view_of(len(scene.viewpoints))
     if not scene.images:
         return view if not len(scene.viewpoints) else f"{view}, clouds"

@@ -16,7 +16,7 @@ from topple.planner.decide.disturbance import (
     fallen_without,
     without_cascades,
 )
-from topple.planner.decide.rates import overlooked
+from topple.planner.decide.rates import oversights
 from topple.planner.decide.tolerances import CARRIES, COUNTS, PRESSED, RESTS
 from topple.planner.decide.words import WORDS, said
 from topple.topology.base.arguments import checked_arguments
@@ -221,11 +221,11 @@ def dependencies(
         >>> [(tie.first, tie.then, str(tie.reason)) for tie in dependencies(scene).dependencies]
         [('cup', 'book', 'supported')]
     """
-    graph, _ = reasoned(Situation.of(scene, relations))
+    graph, _ = reason_out(Situation.of(scene, relations))
     return graph.reduced() if direct else graph
 
 
-def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
+def reason_out(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
     """Every dependency, direct or not, and how likely one holds of each ordered pair.
 
     A dependency is what is likely enough, and what a question finds where surfaces are whole. From cameras
@@ -242,17 +242,17 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
     statics, cameras = situation.statics, len(situation.scene.viewpoints)
     asked = disturbances(situation)
     weighed = partial(chances, view=seen_by(situation.scene))
-    asked = without_cascades(asked, counting(asked, weighed(asked), cameras), statics)
+    asked = without_cascades(asked, edges_of(asked, weighed(asked), cameras), statics)
     chance = weighed(asked)
-    edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in counting(asked, chance, cameras)]
+    edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in edges_of(asked, chance, cameras)]
     told = {(edge.first, edge.then): edge.confidence for edge in edges}
-    return DependencyGraph(situation.movable, tuple(edges)), overlooked(statics, cameras) | told
+    return DependencyGraph(situation.movable, tuple(edges)), oversights(statics, cameras) | told
 
 
 def with_measured(
     graph: DependencyGraph, measured: Collection[Pair], situation: Situation
 ) -> DependencyGraph:
-    """What had better go first where some lifts were tried: a circle is never made of it.
+    """Add dependencies that tried lifts showed; none that would close a cycle.
 
     Args:
         graph: The dependencies that were reasoned.
@@ -267,7 +267,7 @@ def with_measured(
     return graph
 
 
-def counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:
+def edges_of(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:
     """Pairs of which a dependency counts: a question finds it, or of half seen surfaces, what they show.
 
     Args:
@@ -320,7 +320,7 @@ def _lies(pair: Pair, reason: Reason, inside: bool, situation: Situation) -> str
 
 
 def with_fixture(graph: DependencyGraph, statics: Statics, clamped: Collection[str]) -> DependencyGraph:
-    """What has to go first where a fixture keeps some objects where they stand until they are taken.
+    """Drop dependencies made needless by a fixture, which keeps objects in place until they are taken.
 
     Args:
         graph: The dependencies without it, with every edge.

@@ -78,7 +78,7 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
         What was found of those that hang together, or of which one lies over the other.
     """
     statics = situation.statics
-    seen, touching = statics.upright.clouds, statics.touching
+    seen, touching = statics.upright.clouds, statics.touch_normals
     outwards = {then: situation.outwards(then) for then in situation.movable}
     over, unheld = _overhangs(statics, outwards), _unheld_shares(statics)
     depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
@@ -104,7 +104,7 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
 def without_cascades(
     asked: Mapping[Pair, Disturbance], edges: Collection[Pair], statics: Statics
 ) -> dict[Pair, Disturbance]:
-    """What was found, less the falls of what would stand once all is gone that goes before it anyway.
+    """Drop falls of objects that would stand once all is gone that goes before them anyway.
 
     Without one pier the bridge tips and throws the other over; but the bridge goes before either.
 
@@ -116,12 +116,12 @@ def without_cascades(
     before: nx.DiGraph[str] = nx.DiGraph(list(edges))
 
     @cache
-    def fallen(away: frozenset[str]) -> Collection[str]:
+    def fall_of(away: frozenset[str]) -> Collection[str]:
         return fallen_without(statics, away).keys()
 
     def still(first: str, then: str) -> bool:
         others = nx.ancestors(nx.restricted_view(before, [first], []), then)
-        return not others or first in fallen(frozenset({then, *others}))
+        return not others or first in fall_of(frozenset({then, *others}))
 
     thrown = [pair for pair in edges if not asked[pair].meets and not still(*pair)]
     return {**asked} | {pair: replace(asked[pair], unheld=0.0) for pair in thrown}
@@ -139,7 +139,7 @@ def _unheld_shares(statics: Statics) -> dict[str, dict[str, float]]:
 
 
 def fallen_without(statics: Statics, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-    """What falls once objects are gone.
+    """Find the objects that fall once others are gone.
 
     Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
     body falls once a weight is taken off it, or off what it carries, is believed where no forces hold it,
@@ -156,7 +156,7 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     if statics.sight is not None:
         return statics.unsteady_without(away, held)
     lost = {name: far - 1.0 for name, far in statics.fallen_without(away, held).items()}
-    touching = statics.touching
+    touching = statics.touch_normals
     normals = {name: [touching[gone, name] for gone in away if (gone, name) in touching] for name in lost}
     lowest = min((statics.weights[name].centre[2] for name in away), default=-np.inf)
     below = {name for name in lost if not normals[name] and statics.weights[name].centre[2] < lowest}

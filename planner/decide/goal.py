@@ -99,7 +99,7 @@ class Goal:
         return tuple(dict.fromkeys([*self.free, *held, *(p.object for p in self.places)]))
 
     def contents(self, relations: "Relations", fixed: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """What lies in each container that shall be empty, by the relations of the scene."""
+        """List the objects in each container that shall be empty, by the relations of the scene."""
         away = set(fixed)
         found: dict[str, tuple[str, ...]] = {}
         for container in self.empty:
@@ -156,7 +156,7 @@ def holds(place: Place, relations: "Relations", carried: Iterable["Support"] | N
 
 
 def _below(name: str, carried: Iterable["Support"]) -> set[str]:
-    """What carries an object, and what carries that."""
+    """Find all that carries an object, directly or not."""
     graph: nx.DiGraph[str] = nx.DiGraph([(pair.supporter, pair.supported) for pair in carried])
     return nx.ancestors(graph, name) if name in graph else set()
 

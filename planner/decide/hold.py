@@ -43,12 +43,12 @@ class Hold:
         }  # fmt: skip
 
     def meanwhile(self, order: Sequence[str]) -> tuple[str, ...]:
-        """What is put down or taken while it is held, of an order of names."""
+        """Objects of an order that are put down or taken while it is held."""
         begin, end = order.index(self.since), order.index(self.until)
         return tuple(name for name in order[begin : end + 1] if name != self.object)
 
     def sentence(self, order: Sequence[str]) -> str:
-        """What to do in an order of removals, and why."""
+        """Say what to do in an order of removals, and why."""
         taken = self.meanwhile(order)
         verb = "is" if len(taken) == 1 else "are"
         begin = "keep" if self.fixture else "hold"
@@ -57,7 +57,7 @@ class Hold:
 
 
 def fixture_assumptions(fixture: Collection[str]) -> tuple[str, ...]:
-    """What is assumed of a fixture, in sentences."""
+    """State the assumptions about a fixture, a sentence each."""
     return tuple(f"a fixture keeps {name} where it stands until it is taken" for name in sorted(fixture))
 
 

@@ -47,7 +47,7 @@ _NAMED = re.compile(rf"(^|[:;,.] |['(]|\b(?:{_BEFORE}) )(\d+)(?=$|[,:;')]| \(|\.
 
 def spoken(scene: Scene, value: Value) -> Value:
     """Say in a scene, document, plan or run how people call the objects that a label's number names."""
-    return cast("Value", renamed(value, spoken_names(scene)))
+    return cast("Value", rename(value, spoken_names(scene)))
 
 
 class SpokenNames(Mapping[str, str]):
@@ -89,7 +89,7 @@ def spoken_names(scene: Scene) -> dict[str, str]:
     return names
 
 
-def renamed(value: Any, names: Mapping[str, str]) -> Any:
+def rename(value: Any, names: Mapping[str, str]) -> Any:
     """Put other names into a value, in its sentences too."""
     if not names or type(value).__module__.startswith("topple.robots"):  # whose parts have names of their own
         return value
@@ -97,17 +97,17 @@ def renamed(value: Any, names: Mapping[str, str]) -> Any:
         return names.get(value) or _NAMED.sub(lambda m: m[1] + names.get(m[2], m[2]), value)
     if isinstance(value, Mapping):
         pairs = cast("Mapping[Any, Any]", value).items()
-        return FrozenDict({renamed(key, names): renamed(each, names) for key, each in pairs})
+        return FrozenDict({rename(key, names): rename(each, names) for key, each in pairs})
     if isinstance(value, (tuple, list, frozenset)):
         made: Any = getattr(type(value), "_make", type(value))
-        return made([renamed(each, names) for each in cast("tuple[Any, ...]", value)])
+        return made([rename(each, names) for each in cast("tuple[Any, ...]", value)])
     if isinstance(value, msgspec.Struct):
-        kept = {key: renamed(getattr(value, key), names) for key in value.__struct_fields__}
+        kept = {key: rename(getattr(value, key), names) for key in value.__struct_fields__}
         return msgspec.structs.replace(value, **kept)
     if not is_dataclass(value):
         return value
     changed: Any = object.__new__(type(value))
-    changed.__dict__.update({key: renamed(each, names) for key, each in vars(value).items()})
+    changed.__dict__.update({key: rename(each, names) for key, each in vars(value).items()})
     if isinstance(value, DepthImage):
         labels = {int(number): name for number, name in names.items()}
         changed.__dict__["names"] = FrozenDict(labels | dict(changed.names))

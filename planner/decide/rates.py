@@ -28,7 +28,7 @@ from topple.topology.statics.rest import Statics
 
 Rates = tuple[tuple[float, float], ...]
 """For 0 to 3 of three trials in which it moved: how often that happens with a dependency, and without. For
-things as they stand to each other (`standing`): how often a dependency is overlooked if the first one is the
+things as they stand to each other (`stances`): how often a dependency is overlooked if the first one is the
 lower, and if it is the higher."""
 
 
@@ -36,7 +36,7 @@ class _Kept(TypedDict):
     rates: dict[str, dict[str, Rates]]
 
 
-def overlooked(statics: Statics, cameras: int) -> dict[Pair, float]:
+def oversights(statics: Statics, cameras: int) -> dict[Pair, float]:
     """How likely a dependency holds where reasoning finds none.
 
     Args:
@@ -47,10 +47,10 @@ def overlooked(statics: Statics, cameras: int) -> dict[Pair, float]:
         (first, then) -> 0..1 for every ordered pair of movable objects.
     """
     rates = _counted_rates()[view_of(cameras)]["overlooked"]
-    return {pair: rates[row][column] for pair, (row, column) in standing(statics).items()}
+    return {pair: rates[row][column] for pair, (row, column) in stances(statics).items()}
 
 
-def standing(statics: Statics) -> dict[Pair, tuple[int, int]]:
+def stances(statics: Statics) -> dict[Pair, tuple[int, int]]:
     """How objects stand to each other, which says how often a dependency of theirs is overlooked.
 
     Args:

@@ -20,7 +20,7 @@ class Ahead:
 
     @staticmethod
     def of(chosen: Order, done: bool) -> "Ahead":
-        """What an order leaves.
+        """Take the rest of an order, with or without its first object.
 
         Args:
             chosen: The order.
@@ -30,7 +30,7 @@ class Ahead:
         gone = set(chosen.order) - set(left)
         return Ahead(tuple(name for name in chosen.targets if name not in gone), left)
 
-    def changed(self, chosen: Order) -> str | None:
+    def change_to(self, chosen: Order) -> str | None:
         """How a later order differs, in words.
 
         Args:

@@ -8,7 +8,7 @@ import numpy as np
 from topple.planner.decide.hold import Hold
 from topple.planner.decide.tolerances import GUESS, LABEL, SURELY
 from topple.topology.base.arrays import FloatArray
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 
 Document = Mapping[str, Any]
 
@@ -50,7 +50,7 @@ def because(first: Sequence[str], reason: str, then: str = "it") -> str:
     if len(first) > 1:
         verb = {"is": "are", "goes": "go"}.get(verb, verb.removesuffix("s"))
     quoted = "" if reason in WORDS else f", {reason}"
-    return " ".join(filter(None, (listed(first), verb, rest, then))) + quoted
+    return " ".join(filter(None, (phrase(first), verb, rest, then))) + quoted
 
 
 def how_sure(risk: float) -> str:
@@ -79,10 +79,10 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
 
 
 def order_heading(order: Document, movable: int | None = None) -> str:
-    """What a `topple.order` document frees or builds, and how many objects it takes for that."""
+    """Say what a `topple.order` document frees or builds, and how many objects that takes."""
     if order.get("build"):
         return f"to build it, put {len(order['order'])} objects down in this order"
-    purpose = f"to free {listed(order['targets'])}" if order["targets"] else "to clear everything"
+    purpose = f"to free {phrase(order['targets'])}" if order["targets"] else "to clear everything"
     count = len(dict.fromkeys(order["order"]))
     return (
         f"{purpose}, take {count}{'' if movable is None else f' of {movable} movable'} objects in this order"
@@ -98,7 +98,7 @@ def order_rows(order: Document) -> list[tuple[str, ...]]:
         if first in at and how_sure(risk.get(first) or 0.0) != "sure":
             hidden.setdefault(first, []).append(other)
     for first, others in hidden.items():
-        why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {listed(others)} is hidden."
+        why = f"{told[at[first] - 1][1]} Look {look['from']}: where it meets {phrase(others)} is hidden."
         told[at[first] - 1] = (first, why)
     if order.get("build"):
         told = [*zip(order["order"], (x.partition(": ")[2] for x in order["explanation"]), strict=True)]
@@ -112,7 +112,7 @@ def first_rows(order: Document, most: int = 5) -> tuple[list[tuple[str, ...]], l
     told = [f"and {left} more"] if left > 0 else []
     if supports := sorted(order.get("supports") or (), key=lambda each: float(each["confidence"])):
         weak = [f"{contact(order, each)} ({float(each['confidence']):.2f})" for each in supports[:2]]
-        told.append(f"Weakest contact{'s' * (len(weak) > 1)}: {listed(weak)}.")
+        told.append(f"Weakest contact{'s' * (len(weak) > 1)}: {phrase(weak)}.")
     return rows[:most], told
 
 
@@ -130,9 +130,9 @@ def contact(order: Document, support: Document, shown: Callable[[str], str] = st
 
 
 def order_notes(order: Document) -> list[str]:
-    """What has to be held, or taken together, to carry an order out, a sentence each."""
+    """Say what to hold, or take together, to carry an order out, a sentence each."""
     lines = [
-        f"{listed(x)} hold each other: take them together, or hold the others."
+        f"{phrase(x)} hold each other: take them together, or hold the others."
         for x in order.get("groups", ())
     ]
     for hold, words in zip(order.get("holds", ()), holds_in_words(order), strict=True):
@@ -147,7 +147,7 @@ def _look(view: Document | None) -> str:
     if view is None:
         return "Next view: none would show anything more that the order depends on."
     eye, target = ("(" + ", ".join(f"{value:.2f}" for value in view[key]) + ")" for key in ("eye", "target"))
-    told = listed([f"{one['a']} meets {one['b']}" for one in view["shows"][:3]])
+    told = phrase([f"{one['a']} meets {one['b']}" for one in view["shows"][:3]])
     share = f"{100 * view['worth']:.0f} % of the hidden places that matter"
     return f"Next view: {view['from']}, {eye} towards {target} m, shows {share}: whether {told}."
 
@@ -177,7 +177,7 @@ def places(order: Document) -> dict[str, int]:
 
 
 def holds_in_words(order: Document) -> list[str]:
-    """What to hold while an order is carried out, a sentence each, of a `topple.order` document."""
+    """Say what to hold while an order is carried out, a sentence each, of a `topple.order` document."""
     told: list[str] = []
     for hold in order.get("holds", ()):
         thing, since, until, why = (str(hold[key]) for key in ("object", "since", "until", "because"))
@@ -192,13 +192,13 @@ def _reason(order: Document, name: str, done: Sequence[str]) -> str:
     parts: list[str] = []
     if needed := _by_reason(order, name, "then", done):
         earlier = list(dict.fromkeys(first for names in needed.values() for first in names))
-        why = listed([because(first, reason) for reason, first in needed.items()])
-        parts.append(f"after {listed(earlier)}, because {why}")
+        why = phrase([because(first, reason) for reason, first in needed.items()])
+        parts.append(f"after {phrase(earlier)}, because {why}")
     if freed := _by_reason(order, name, "first", None):
-        parts.append(listed([because(["it"], reason, listed(then)) for reason, then in freed.items()]))
+        parts.append(phrase([because(["it"], reason, phrase(then)) for reason, then in freed.items()]))
     for group in order.get("groups", ()):
         if name in (names := [str(other) for other in group]) and len(names) > 1:
-            parts.append("taken or held together with " + listed([other for other in names if other != name]))
+            parts.append("taken or held together with " + phrase([other for other in names if other != name]))
     if name in [str(target) for target in order.get("targets", ())]:
         parts.append(TARGET)
     return "; ".join(parts)
@@ -214,7 +214,7 @@ def _by_reason(order: Document, name: str, end: str, among: Sequence[str] | None
     return {reason: list(same) for reason, same in names.items()}
 
 
-def counted(number: int, thing: str) -> str:
+def number_of(number: int, thing: str) -> str:
     """A number of things: "1 step", "2 steps"."""
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
@@ -232,13 +232,13 @@ def sentence(text: str) -> str:
     return begun if begun.endswith((".", "!", "?", ":")) else f"{begun}."
 
 
-def shortened(name: str) -> str:
+def shorten(name: str) -> str:
     """A name cut to `LABEL` characters, on one line."""
     line = " ".join(name.split()) or name.strip() or "(blank)"
     return line if len(line) <= LABEL else line[: LABEL - 1] + "…"
 
 
-def listed(words: Sequence[str]) -> str:
+def phrase(words: Sequence[str]) -> str:
     """Words as English lists them: "a", "a and b", "a, b and c"."""
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
 
@@ -252,7 +252,7 @@ def sentences(text: Any) -> list[str]:
 def millimetres(metres: float) -> str:
     """A length in millimetres, to a tenth below 10 mm."""
     value = metres * 1000
-    return f"{rounded(value, 1 if abs(value) < 10 else 0)} mm"
+    return f"{decimal(value, 1 if abs(value) < 10 else 0)} mm"
 
 
 def check_cells(found: Document) -> tuple[str, ...]:

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.environment.hands import put, take
 from topple.planner.environment.tolerances import EFFORT
-from topple.planner.environment.view import Observation, seen, space_of
+from topple.planner.environment.view import Observation, show, space_of
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.look import Observer
 from topple.robots import scenario
 from topple.robots.scenarios import Scenario
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -134,7 +134,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
                 self._taken.add(name)
             self._situation = self._look()
             self._shown = self._observation()
-        reached = allowed and self._reached(stage)
+        reached = allowed and self._is_reached(stage)
         lost = any(
             one not in stage.world.names for one in self._goal.names if one not in self._taken
         ) or not any(self.action_masks())
@@ -165,14 +165,14 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         kept = {place.where for place in self._goal.places}
         return self._situation is not None and name in self._situation.movable and name not in kept
 
-    def _reached(self, stage: Scenario) -> bool:
+    def _is_reached(self, stage: Scenario) -> bool:
         if any(name not in self._taken for name in self._goal.free):
             return False
         rest = replace(self._goal, free=())  # what is free is out of the world
         return not truly_unmet(rest, stage.world, stage.up)
 
     def _look(self) -> Situation | None:
-        """What is seen now; None where nothing that moves is."""
+        """Observe the scene; None where nothing that can move is seen."""
         stage = self._stage
         if stage is None or not stage.world.movable:
             return None
@@ -185,10 +185,10 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         for name in stage.world.names:
             pose, count = stage.world.pose(name), TABLE_SAMPLES if name in stage.fixed else SAMPLES
             points = stage.world.body(name).surface(count, np.random.default_rng(0))
-            clouds[name] = transformed(points, pose)
+            clouds[name] = move_points(points, pose)
         return Scene(clouds, stage.fixed, stage.up)
 
     def _observation(self) -> Observation:
         takeable = {name: self._takeable(name) for name in self._names}
         rng = np.random.default_rng(0)
-        return seen(self._situation, self._names, self._goal.names, takeable, self._slots, self._points, rng)
+        return show(self._situation, self._names, self._goal.names, takeable, self._slots, self._points, rng)

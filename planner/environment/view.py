@@ -41,7 +41,7 @@ def space_of(slots: int, points: int) -> gymnasium.spaces.Dict:
     return gymnasium.spaces.Dict(spaces)
 
 
-def seen(
+def show(
     situation: Situation | None,
     names: Sequence[str],
     targets: Collection[str],

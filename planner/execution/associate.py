@@ -14,7 +14,7 @@ from topple.topology.scene.scene import Scene
 from topple.topology.views.image import DepthImage
 
 
-def associated(
+def associate_names(
     images: Sequence[DepthImage], expected: Scene, rng: np.random.Generator
 ) -> tuple[DepthImage, ...]:
     """Name what images show by what is remembered, without regard to the names they come with.
@@ -38,7 +38,7 @@ def associated(
     }
     remembered = {name: thinned(expected.clouds[name], SPACING) for name in expected.movable}
     gone = [name for name, cloud in remembered.items() if seen_through(cloud, images).mean() > GONE]
-    names = matched(clouds, remembered, gone)
+    names = match_objects(clouds, remembered, gone)
     for label in labels:
         if label not in names:
             taken = {*expected.names, *names.values()}
@@ -50,7 +50,7 @@ def associated(
     )
 
 
-def matched(
+def match_objects(
     seen: Mapping[str, FloatArray], remembered: Mapping[str, FloatArray], gone: Collection[str]
 ) -> dict[str, str]:
     """Match what is seen with what is remembered: first what stayed, then what lies elsewhere.

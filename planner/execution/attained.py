@@ -16,7 +16,7 @@ from topple.topology.base.arrays import FloatArray
 
 
 def truly_unmet(goal: Goal, world: PhysicalWorld, up: FloatArray) -> tuple[str, ...]:
-    """What of a goal does not hold in the world as it is, whatever the cameras make of it.
+    """Find the clauses of a goal that the world does not meet, whatever the cameras make of it.
 
     A thing is on another one that bears half its weight, or in whose hollow it is. It is in a hollow where
     its centre of mass is over the other's outline, its lowest point below the rim and above the other's
@@ -56,7 +56,7 @@ def _is_attained(place: Place, state: State) -> bool:
 
 
 def _carried_by(name: str, state: State) -> list[str]:
-    """What a thing carries, holds up, or has in its hollow."""
+    """Objects that an object carries, holds up, or has in its hollow."""
     found: list[str] = []
     for other, weight in state.weights.items():
         if other == name:

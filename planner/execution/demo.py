@@ -30,7 +30,7 @@ from topple.robots.engines import DEFAULT_ENGINE, arm_in, fixture_in
 from topple.robots.scenarios import SCENARIOS, Scenario
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
-from topple.robots.world.film import filmed
+from topple.robots.world.film import film_of
 from topple.robots.world.photo import photograph
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.files import check_writable, make_folder, write_all
@@ -111,7 +111,7 @@ def demo(
             task = (first.scene, loop.task, robot)
             asked = {"base": base, "orderer": orderer, "relations": relate, "clamped": fixture, "seed": seed}
             planned = None if two else other.apply_async(plan, task, asked)
-            with filmed(video, acting, stage.cameras[0]):
+            with film_of(video, acting, stage.cameras[0]):
                 record = loop.run(first)
             if stage.finished is not None:
                 wanted = photograph(stage.finished, stage.cameras[0], whole=True)

@@ -47,8 +47,8 @@ def counted_scenes() -> tuple[str, ...]:
     return tuple(_counts())
 
 
-def counted(name: str) -> SeedCount | None:
-    """What was counted of a scene.
+def seed_count(name: str) -> SeedCount | None:
+    """Look up the count of a scene.
 
     Args:
         name: Of the scene.
@@ -65,7 +65,7 @@ def default_seed(name: str) -> int:
     Args:
         name: Of the scene.
     """
-    count = counted(name)
+    count = seed_count(name)
     return 0 if count is None else count.default
 
 

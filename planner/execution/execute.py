@@ -36,7 +36,7 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import ToppleError
 from topple.topology.bodies.solids import Solids
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 WATCHED = (
     SegmentKind.LIFT,
@@ -159,7 +159,7 @@ def _begin_lift(
 
 
 def _put_back_text(moved: Mapping[str, float], name: str) -> str:
-    """What was seen, in a sentence."""
+    """Say why an object was put back, in a sentence."""
     some = " and ".join(f"{other} by {1e3 * off:.1f} mm" for other, off in sorted(moved.items()))
     return f"{name} was put back: lifting it moved {some}."
 
@@ -305,7 +305,7 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
             q = segment.motion.positions
             chosen = q[np.unique(np.linspace(0, len(q) - 1, PATH_SAMPLES).astype(int))]
             base = robot.arm.tool_pose(chosen, segment.tool)[:, :3, 3]
-            pieces.append(transformed(base, robot.pose_base_to_world))
+            pieces.append(move_points(base, robot.pose_base_to_world))
     return np.vstack(pieces)
 
 

@@ -141,7 +141,7 @@ class Judge:
         return drop, body.mass * GRAVITY * drop
 
     def _stray_touches(self) -> dict[str, Touch]:
-        """What an arm touched that it was not to handle, by name."""
+        """Touches of objects that an arm was not to handle, by name."""
         return {
             name: touch
             for arm in self._arms

@@ -47,7 +47,7 @@ class LiftMonitor:
     named: Collection[str]
 
     def detector(self, transfer: Transfer, robot: Driver, path: FloatArray) -> "ChangeDetector":
-        """What detects changes of what stays while an arm with an object goes along a path (k, n)."""
+        """Make the detector of changes while an arm with an object goes along a path (k, n)."""
         carried = (transfer.object, *transfer.riding)
         load = [part for name in carried for part in self.situation.solids.get(name, ())]
         moving = swept_parts(robot, path, transfer.grasp.tool, load)
@@ -92,7 +92,7 @@ class ChangeDetector:
         """Whether nothing is seen to move; `moved` has what is, with how far its surface is off [m]."""
         for image in self._stream.glimpse():
             if (view := self._views.get(_place(image))) is not None:
-                self.moved = {**self.moved, **view.moved(image.depth)}
+                self.moved = {**self.moved, **view.offsets(image.depth)}
         return not self.moved
 
 
@@ -124,7 +124,7 @@ class _View:
         whose = found[found >= 0] // ((rows.max() + 1) * (columns.max() + 1))
         return _View(tiles, tuple(seen.names[int(number)] for number in whose), image.depth)
 
-    def moved(self, depth: FloatArray) -> dict[str, float]:
+    def offsets(self, depth: FloatArray) -> dict[str, float]:
         """Names of what is off its place in a picture (H, W), by how far [m]."""
         off = np.where((depth > 0) & (self.before > 0), depth - self.before, np.inf)
         pixels, middle = self._per_tile(off, np.abs(off) < 4 * DISTURBED)  # what is further off came between
@@ -147,7 +147,7 @@ class _View:
 
 
 def neighbours_to_watch(situation: Situation, order: Order, name: str) -> set[str]:
-    """What may move as an object of an order is lifted, and could go before it: what its box is near to."""
+    """Find objects with boxes near one to be lifted, which may move with it and could go before it."""
     boxes = {other: np.stack([cloud.min(0), cloud.max(0)]) for other, cloud in situation.surfaces.items()}
     low, high = boxes[name] + [[-FARTHEST], [FARTHEST]]
     near = {other for other, box in boxes.items() if (box[0] < high).all() and (box[1] > low).all()}

@@ -8,9 +8,9 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from topple.planner.execution.associate import associated, middle, seen_through
+from topple.planner.execution.associate import associate_names, middle, seen_through
 from topple.planner.execution.frames import Eye, Frames
-from topple.planner.execution.masks import misnamed, renamed
+from topple.planner.execution.masks import name_faults, rename
 from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
 from topple.robots.driver import Driver
@@ -158,13 +158,13 @@ class Observer:
             faults = (*faults, *said_of_images(images))
         kept = self._kept
         if self.shuffle_labels and expected is not None:
-            images = associated(images, expected, self.rng)
+            images = associate_names(images, expected, self.rng)
         scene = self._scene(images)
         surprises: dict[str, str] = {}
         if expected is not None:
-            names, wrong = misnamed(scene, expected)
+            names, wrong = name_faults(scene, expected)
             if names:
-                images = tuple(renamed(image, names) for image in images)
+                images = tuple(rename(image, names) for image in images)
                 scene, faults = self._scene(images), (*faults, *wrong.values())
             scene, surprises = _join_remembered(scene, expected)
             kept = tuple(image for each in kept if (image := _strip(each, self._last, expected, surprises)))
@@ -213,7 +213,7 @@ def _strip(
 
 
 def _join_remembered(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
-    """What is seen with what is remembered, and how it differs from what was expected."""
+    """Join the seen and the expected scene, and say how they differ."""
     new = [name for name in seen.names if name not in expected.names]
     said = {name: f"{name} is seen for the first time" for name in new}
     clouds = dict(seen.clouds)
@@ -251,7 +251,7 @@ def _something_at(cloud: FloatArray, images: Sequence[DepthImage]) -> bool:
 
 
 def _among(values: Mapping[str, float], scene: Scene) -> dict[str, float]:
-    """What is known of the objects of a scene."""
+    """Select the values of a scene's objects."""
     return {name: value for name, value in values.items() if name in scene.clouds}
 
 
@@ -274,7 +274,7 @@ def without(look: Look, gone: Collection[str]) -> Look:
     return replace(look, situation=look.situation.without(*names), surprises=said) if names else look
 
 
-def unexpected(predicted: Relations, observed: Relations) -> list[str]:
+def find_unexpected(predicted: Relations, observed: Relations) -> list[str]:
     """Pairs that were predicted apart and are seen in contact, or the other way round.
 
     Pairs that either side has not seen well enough to tell are left out.

@@ -14,14 +14,14 @@ from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, taken_over
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.lift_monitor import CameraStream, LiftMonitor, neighbours_to_watch
-from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected, without
+from topple.planner.execution.look import Look, Observer, Perception, Relate, find_unexpected, without
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.prepare import Preparer
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
 from topple.planner.execution.selection import RunLimits, StepSelector
-from topple.planner.execution.standing import misplaced
+from topple.planner.execution.standing import misplacement
 from topple.planner.execution.two_arms import TwoArms
-from topple.planner.fallbacks import RELAXATIONS, selected
+from topple.planner.fallbacks import RELAXATIONS, select
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
@@ -107,7 +107,7 @@ class ClosedLoop:
     def __post_init__(self) -> None:
         task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed, self.fixture)
         asked = Context(
-            self._arms.stations[0], relaxations=selected(self.relaxations), orderer=self.orderer,
+            self._arms.stations[0], relaxations=select(self.relaxations), orderer=self.orderer,
             grasps=self.grasps, seed=self.seed, away=self.away,
         )  # fmt: skip
         self._selector = StepSelector(task, self._arms, asked, self.limits.attempts)
@@ -217,7 +217,7 @@ class ClosedLoop:
         self._look = first = self.look() if look is None else look
         self._steps: list[StepRecord] = []
         goal = self.task.goal(first.scene)
-        stopped, wrong = self._ended(goal, self.limits.actions * max(1, len(first.scene.movable)))
+        stopped, wrong = self._act_to_end(goal, self.limits.actions * max(1, len(first.scene.movable)))
         wrong = (*(f"{step.object}: {text}" for step in self._steps for text in step.violations), *wrong)
         missing = self._selector.unmet(self._look, goal)
         missing += tuple(text for text in self.judge.unmet(goal) if text not in missing)
@@ -237,7 +237,7 @@ class ClosedLoop:
             arm=self.robot.arm,
         )
 
-    def _ended(self, goal: Goal, budget: int) -> tuple[str, tuple[str, ...]]:
+    def _act_to_end(self, goal: Goal, budget: int) -> tuple[str, tuple[str, ...]]:
         """Act to the end: the word for what stopped it, and a sentence; neither where nothing is left."""
         try:
             self._check_place()
@@ -274,7 +274,7 @@ class ClosedLoop:
         Raises:
             ArmFault: The cameras see it elsewhere.
         """
-        if (words := misplaced(self.robot, self._look.images, self._look.scene)) is not None:
+        if (words := misplacement(self.robot, self._look.images, self._look.scene)) is not None:
             raise ArmFault(words)
 
     def _do(self, goal: Goal, chosen: NextStep) -> None:
@@ -297,7 +297,7 @@ class ClosedLoop:
             self._selector.preparer.prove(seen.scene)
         here = name in expected.clouds
         predicted = look.relations.updated(name, expected.clouds[name]) if here else seen.relations
-        different = unexpected(predicted, seen.relations)
+        different = find_unexpected(predicted, seen.relations)
         was, now = expected.clouds, seen.scene.clouds  # of what is hidden the cloud is kept
         changed = [n for n in seen.surprises if now.get(n) is not was.get(n)]
         self._selector.record_look(chosen, outcome, seen.surprises, changed, different)

@@ -15,7 +15,7 @@ from topple.topology.scene.scene import Scene
 from topple.topology.views.image import DepthImage
 
 
-def misnamed(seen: Scene, expected: Scene) -> tuple[dict[str, str], dict[str, str]]:
+def name_faults(seen: Scene, expected: Scene) -> tuple[dict[str, str], dict[str, str]]:
     """Find masks that have each other's names, and objects whose mask is in pieces.
 
     Things that changed places are told from names that did by what is expected: it holds what the arm did.
@@ -38,7 +38,7 @@ def misnamed(seen: Scene, expected: Scene) -> tuple[dict[str, str], dict[str, st
     return swapped | pieces, said
 
 
-def renamed(image: DepthImage, names: Mapping[str, str]) -> DepthImage:
+def rename(image: DepthImage, names: Mapping[str, str]) -> DepthImage:
     """An image with other names; masks that come to share one are joined.
 
     Args:

@@ -35,7 +35,7 @@ class Memory:
         return self.attempts[name] - len(self.placed.get(name, ()))
 
     def after_action(self, chosen: NextStep, success: bool, stuck: bool = False) -> "Memory":
-        """What is remembered once a step was done or failed, before the look that follows.
+        """Remember the outcome of a step, before the look that follows.
 
         Args:
             chosen: The step.
@@ -65,7 +65,7 @@ class Memory:
             return others  # what made room lies elsewhere, and nobody looked whether it turned in the hand
         pose = transfer.placement.pose_before_to_after
         some = (*self.placed.get(name, ()), transfer.grasp)
-        return {**others, name: tuple(one.moved(pose) for one in some)}
+        return {**others, name: tuple(one.move(pose) for one in some)}
 
     def after_look(
         self,
@@ -75,7 +75,7 @@ class Memory:
         changed: Collection[str] = (),
         moved: Collection[str] = (),
     ) -> "Memory":
-        """What is remembered once a look followed a step.
+        """Remember the outcome of the look after a step.
 
         Args:
             chosen: The step.
@@ -88,10 +88,10 @@ class Memory:
         alone = handled if success and chosen.action is not Action.PLACE else ()
         beliefs = self.beliefs.after(chosen.order.chances, handled | set(surprises), alone)
         changed = {*changed, *(handled if success else ())}
-        return replace(self, beliefs=beliefs.taught(changed, moved, chosen.transfer.object))
+        return replace(self, beliefs=beliefs.learn(changed, moved, chosen.transfer.object))
 
     def context(self, asked: Context, most: int) -> Context:
-        """What the next step is chosen in.
+        """Make the context in which the next step is chosen.
 
         Args:
             asked: The same without what is remembered. Grasps of the caller's own count until the object was

@@ -17,7 +17,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.planning.follow import next_step
 from topple.planner.planning.step import Context, NextStep, Task
 from topple.planner.transfer.prediction import after
-from topple.planner.transfer.recertify import recertified
+from topple.planner.transfer.recertify import recertify
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.errors import ToppleError
 from topple.topology.base.workers import WorkerPool
@@ -161,5 +161,5 @@ def _prove(seen: bytes) -> Prepared | None:
         return None
     (asked, step), situation = _chosen, Situation(pickle.loads(seen))
     station = asked.context.station
-    found = recertified(step.transfer, situation, station)
+    found = recertify(step.transfer, situation, station)
     return None if found is None else Prepared(replace(step, transfer=found), asked.task, situation.solids)

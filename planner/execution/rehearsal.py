@@ -61,7 +61,7 @@ class Rehearsal:
         self.world.close()
 
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the run should know: where the base stands and what sagged, in sentences."""
+        """Tell a reader of the run where the base stands and what sagged, in sentences."""
         x, y, z = (inverse(self.pose_scene_to_world) @ self.pose_base_to_world)[:3, 3]
         how = "searched" if self.base_searched else "given"
         said = [f"the arm's base stands at {x:.3f} {y:.3f} {z:.3f} m in the scene ({how})"]

@@ -20,8 +20,8 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.poses import inverse
-from topple.robots.world.film import filmed
-from topple.robots.world.lerobot import demonstrated
+from topple.robots.world.film import film_of
+from topple.robots.world.lerobot import demonstration_in
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import as_pose
@@ -110,15 +110,15 @@ def run(
         eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
         loop = ClosedLoop.simulated(
             stage.world, acting, eyes, task.in_frame(to_world, Z), fixed=tuple(sorted(stage.world.fixed)),
-            grasps={n: [grasp.moved(to_world) for grasp in some] for n, some in own.items()},
+            grasps={n: [grasp.move(to_world) for grasp in some] for n, some in own.items()},
             masses=scene.masses, friction=scene.friction, fixture=stage.fixture,
             second=None if there is None else arm_in(stage.world, arm, there, acting),
-            away=receiver and receiver.moved(to_world), wrist_camera=wrist_camera, ahead=ahead, photos=photos,
+            away=receiver and receiver.move(to_world), wrist_camera=wrist_camera, ahead=ahead, photos=photos,
             shuffle_labels=shuffle_labels, orderer=orderer, relate=relate, relaxations=relaxations, seed=seed,
             progress=progress,
         )  # fmt: skip
         eye = stage.cameras[0]
-        with filmed(video, acting, eye), demonstrated(lerobot, acting, eye) as demonstration:
+        with film_of(video, acting, eye), demonstration_in(lerobot, acting, eye) as demonstration:
             record = loop.run()
             if demonstration is not None:
                 demonstration.end(record.goal, record.success)

@@ -63,7 +63,7 @@ class StepSelector:
         self._ahead: Ahead | None = None
 
     def unmet(self, look: Look, goal: Goal) -> tuple[str, ...]:
-        """What is still missing for the goal, in words."""
+        """Say what is still missing for the goal."""
         return self.task.chooser(look.situation, goal, self._context(self._memory)).unmet()
 
     def check_start(self, look: Look, goal: Goal) -> None:
@@ -100,7 +100,7 @@ class StepSelector:
         return next_step(self.task, look.situation, goal, context)
 
     def moved_with(self, name: str) -> set[str]:
-        """What a lift of an object was seen to move, both being as they were."""
+        """Objects that a lift of an object was seen to move, both being as they were."""
         return {first for first, then in self._memory.beliefs.measured if then == name}
 
     def next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
@@ -141,7 +141,7 @@ class StepSelector:
 
     def changes(self, chosen: NextStep) -> list[str]:
         """How a step differs from what was to come by the look before."""
-        changed = None if self._ahead is None else self._ahead.changed(chosen.order)
+        changed = None if self._ahead is None else self._ahead.change_to(chosen.order)
         return [] if changed is None else [f"The look before it changed the order: {changed}."]
 
     def record_action(self, chosen: NextStep, outcome: Outcome) -> int:
@@ -187,7 +187,7 @@ class StepSelector:
             self.preparer.drop()
 
     def _context(self, memory: Memory) -> Context:
-        """What a step is chosen in, with the arms as they stand."""
+        """Make the context in which a step is chosen, with the arms as they stand."""
         (station, second), away = self._arms.stations, self._asked.away
         bodies = {**self._arms.obstacles(self._arms.first), **({} if away is None else away.bodies)}
         asked = replace(

@@ -68,7 +68,7 @@ def shift_of(robot: Driver, images: Sequence[DepthImage], scene: Scene) -> Float
     return shift if np.median(np.abs(off)) < ARM_FITS else None
 
 
-def misplaced(robot: Driver, images: Sequence[DepthImage], scene: Scene) -> str | None:
+def misplacement(robot: Driver, images: Sequence[DepthImage], scene: Scene) -> str | None:
     """Say that an arm is not where it should be; None where it is, or no camera shows.
 
     Heights are left out: along the vertical covers and the models of links differ most, and a base that is

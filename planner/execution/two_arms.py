@@ -44,10 +44,10 @@ class TwoArms:
 
     @property
     def clamped(self) -> frozenset[str]:
-        """What a fixture keeps still now."""
+        """Names of the objects that a fixture keeps still now."""
         return frozenset() if self._fixture is None else frozenset(self._fixture.clamped)
 
-    def acting(self, chosen: NextStep) -> Driver:
+    def arm_of(self, chosen: NextStep) -> Driver:
         """The arm that does a step."""
         return self.second if chosen.by_second and self.second is not None else self.first
 
@@ -66,7 +66,7 @@ class TwoArms:
             watch: What looks on at the hand that takes.
             monitor: What its lift is watched with.
         """
-        acting = self.acting(chosen)
+        acting = self.arm_of(chosen)
         other = self._beside(acting)
         outcome = self._execute(chosen, acting, other, watch, monitor)
         if other is None or outcome.motion is None:
@@ -109,7 +109,7 @@ class TwoArms:
         """
         if outcome.stuck:
             return outcome
-        acting = self.acting(chosen)
+        acting = self.arm_of(chosen)
         other, grip = self._beside(acting), self.grip
         self._home(acting, solids)
         self.queued = (chosen.then or self.queued[1:]) if outcome.success else ()
@@ -131,14 +131,14 @@ class TwoArms:
         return outcome
 
     def _release_watch(self, chosen: NextStep, watch: Watch) -> Watch:
-        """What looks on, and has a fixture let go of the object as soon as the hand has closed on it."""
+        """Make a watch that has a fixture let go of the object as soon as the hand has closed on it."""
 
-        def watching(moment: str, tool: str) -> None:
+        def look_on(moment: str, tool: str) -> None:
             watch(moment, tool)
             if moment == TAKEN and self._fixture is not None:
                 self._fixture.release(chosen.transfer.object)
 
-        return watching
+        return look_on
 
     def _beside(self, robot: Driver) -> Driver | None:
         """The other arm."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from topple.planner.planning.plan_format import Plan
 from topple.robots.collision.convex import hull_of
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 NO_TURN = "0 0 0 1"
 
@@ -23,7 +23,7 @@ def moveit_scene(plan: Plan) -> str:
     for thing in plan.objects:
         lines += [f"* {' '.join(thing.name.split())}", "0 0 0", NO_TURN, str(len(thing.parts))]
         for part in thing.parts:
-            vertices, faces = hull_of(transformed(np.array(part), world_to_base))
+            vertices, faces = hull_of(move_points(np.array(part), world_to_base))
             lines += ["mesh", f"{len(vertices)} {len(faces)}"]
             lines += [" ".join(f"{value:.6g}" for value in vertex) for vertex in vertices.tolist()]
             lines += [" ".join(str(index) for index in face) for face in faces.tolist()]

@@ -89,7 +89,7 @@ class PlacementData(msgspec.Struct, frozen=True):
 
     @property
     def words(self) -> str:
-        """What becomes of the object, in a few words."""
+        """The outcome for the object, in a few words."""
         if self.into is not None:
             return f"put down {self.how or 'on'} {self.into}"
         return {
@@ -285,10 +285,10 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         return rows
 
     def __str__(self) -> str:
-        """What `topple plan` prints: the goal, where the arm stands, a line for each step."""
+        """Format as `topple plan` prints: the goal, where the arm stands, a line for each step."""
         heading, rows = in_words(vars(self).get("scene"), (self.heading(), [row[1:] for row in self.rows()]))
         return "\n".join([*heading, *in_columns([(str(n), *row) for n, row in enumerate(rows, start=1)])])
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the plan in a notebook."""
         return in_cell(self)

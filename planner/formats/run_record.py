@@ -177,7 +177,7 @@ class RunRecord(ByValue):
 
     @property
     def verdict(self) -> str:
-        """What became of the goal: "reached", "reached with violations" or "not reached"."""
+        """The outcome for the goal: "reached", "reached with violations" or "not reached"."""
         return "not reached" if self.missing else "reached" if self.success else "reached with violations"
 
     @property
@@ -200,7 +200,7 @@ class RunRecord(ByValue):
         return f"{what} {verb}, but {told}{f', and {len(others)} more' if others else ''}."
 
     def __str__(self) -> str:
-        """What `topple run` prints: the outcome, and a line for each action."""
+        """Format as `topple run` prints: the outcome, and a line for each action."""
         first = next((step.scene for step in self.steps if step.scene is not None), None)
         found = self.to_json() if first is None else spoken(first, self.to_json())
         return "\n".join([run_heading(found), *in_columns(run_rows(found))])
@@ -219,7 +219,7 @@ class RunRecord(ByValue):
         return self.stopped == INTERRUPTED
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the run in a notebook."""
         return in_cell(self)
 
     def to_json(self) -> dict[str, Any]:
@@ -252,7 +252,7 @@ def _severity(falls: Mapping[str, tuple[float, float]]) -> Document:
 
 
 def run_heading(run: Document) -> str:
-    """What a `topple.run` document says of the whole run, in one line."""
+    """Sum up a `topple.run` document in one line."""
     outcome = {"reached": "done", "not reached": "failed"}.get(run["verdict"], run["verdict"])
     return f"{run['goal']}, {outcome} after {len(run['steps'])} actions, {run['seconds']:.1f} s"
 

@@ -83,13 +83,13 @@ def grasp_candidates(
             found += shape.grasps(sought)
     unseen = coming_unseen(found, situation, {shape.tool.name: shape for shape in strong})
     found = [replace(grasp, unseen=hidden) for grasp, hidden in zip(found, unseen.tolist(), strict=True)]
-    best = varied(found, limit)
+    best = pick_varied(found, limit)
     for shape in strong if wide else ():
         best = shape.widened(best, sought)
     return best
 
 
-def varied(grasps: Sequence[Grasp], limit: int) -> list[Grasp]:
+def pick_varied(grasps: Sequence[Grasp], limit: int) -> list[Grasp]:
     """Pick the best of some grasps.
 
     Args:

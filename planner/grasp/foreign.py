@@ -10,11 +10,11 @@ import numpy as np
 from topple.planner.grasp.stored import Key
 from topple.planner.grasp.tolerances import PAD_HALF
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.plugins import Table, expected
+from topple.topology.base.plugins import Table, check_kind
 from topple.topology.base.values import ByValue
-from topple.topology.io.limits import opened
+from topple.topology.io.limits import open_file
 
 GRASPNET_COLUMNS = 17  # score, width, height, depth, rotation (9), translation (3), object
 
@@ -46,7 +46,7 @@ class ForeignGrasps(ByValue):
 
     def __post_init__(self) -> None:
         for name in ("poses_tool_to_source", "scores", "widths"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+            object.__setattr__(self, name, freeze(getattr(self, name)))
 
     def __len__(self) -> int:
         """How many."""
@@ -101,12 +101,12 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
     """
     path = Path(path)
     try:
-        with opened(path, str(path)):  # a pipe would be waited for
+        with open_file(path, str(path)):  # a pipe would be waited for
             pass
         if (found := GRASP_READERS.first(lambda reader: reader.reads(path))) is not None:
             # overflow: of what is then refused as no rigid transform
-            with GRASP_READERS.blamed(found[0]), np.errstate(over="ignore", invalid="ignore"):
-                return expected(found[1].read(path), ForeignGrasps)
+            with GRASP_READERS.blame(found[0]), np.errstate(over="ignore", invalid="ignore"):
+                return check_kind(found[1].read(path), ForeignGrasps)
     except OSError as error:
         raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
     raise InvalidInput(f"{path}: is no file of grasps: expected .npy, .npz or an isaac_grasp .yaml")
@@ -138,7 +138,7 @@ def grasps_from_array(
         array([0.7])
     """
 
-    def given(values: Any, default: FloatArray) -> FloatArray:
+    def take(values: Any, default: FloatArray) -> FloatArray:
         return default if values is None else plain(values, name)
 
     array = plain(array, name)
@@ -151,20 +151,18 @@ def grasps_from_array(
             label_of(number, f"{name}: object of grasp {row}")
             for row, number in enumerate(array[:, 16].tolist())
         )
-        found = ForeignGrasps(
-            poses, given(scores, array[:, 0]), given(widths, array[:, 1]), "graspnet", labels
-        )
-        return checked(found, name)
+        found = ForeignGrasps(poses, take(scores, array[:, 0]), take(widths, array[:, 1]), "graspnet", labels)
+        return check_grasps(found, name)
     if array.ndim == 3 and array.shape[1:] == (4, 4):
         found = ForeignGrasps(
-            array, given(scores, np.ones(len(array))), given(widths, np.full(len(array), np.nan)), "poses"
+            array, take(scores, np.ones(len(array))), take(widths, np.full(len(array), np.nan)), "poses"
         )
-        return checked(found, name)
+        return check_grasps(found, name)
     raise InvalidInput(f"{name}: has shape {array.shape}: expected (N, 17) of GraspNet or (N, 4, 4) poses")
 
 
 def label_of(number: Key, where: str) -> str:
-    """What a segment or object is called: its number as text, "" for a negative one: none.
+    """Name a segment or object: its number as text, "" for a negative one: none.
 
     Raises:
         InvalidInput: It is no whole number.
@@ -195,7 +193,7 @@ def poses_of(rotations: FloatArray, places: FloatArray) -> FloatArray:
     return poses
 
 
-def checked(grasps: ForeignGrasps, name: str) -> ForeignGrasps:
+def check_grasps(grasps: ForeignGrasps, name: str) -> ForeignGrasps:
     """Refuse what is no rigid transform in metres, or has no score, naming the first bad one.
 
     Args:

@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from topple.planner.grasp.candidates import varied
+from topple.planner.grasp.candidates import pick_varied
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.judge import judged, reachable
+from topple.planner.grasp.judge import judge_grasps, reachable
 from topple.planner.grasp.rank import RankedGrasp
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.surroundings import Dropped
@@ -70,7 +70,7 @@ def doable(
     """
     dropped, left = Dropped(), list[Grasp]()
     counts: Counter[str] = Counter()
-    for entry in judged(grasps, Room.of(situation, arm)) if grasps else ():
+    for entry in judge_grasps(grasps, Room.of(situation, arm)) if grasps else ():
         if not entry.refused:
             left.append(entry.grasp)
         counts.update(entry.refused)
@@ -79,7 +79,7 @@ def doable(
         dropped.note(f"{words} ({count} of {len(grasps)} grasps given)", count)
     reached = reachable(left, arm, pose_base_to_world)
     best = [grasp for grasp, yes in zip(left, reached, strict=True) if yes]
-    return varied(best or left, MOST_GIVEN), dropped
+    return pick_varied(best or left, MOST_GIVEN), dropped
 
 
 def _plain(entry: Grasp | RankedGrasp) -> Grasp:

@@ -7,14 +7,14 @@ import numpy as np
 from topple.planner.grasp.shape import GRIPPERS
 from topple.robots.arm.gripper import FINGERS, Tool
 from topple.robots.poses import inverse
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.values import ByValue
 
 PINCH, RIM = "pinch", "rim"
 """Fingers take hold of an object's outside with both pads, or with one of them inside it."""
 
-HALF_TURN = frozen(np.diag([-1.0, -1.0, 1.0, 1.0]))
+HALF_TURN = freeze(np.diag([-1.0, -1.0, 1.0, 1.0]))
 """(4, 4) half a turn of the hand about its approach."""
 
 
@@ -56,7 +56,7 @@ class Grasp(ByValue):
     unseen: bool = False
 
     def __post_init__(self) -> None:
-        pose = frozen(self.pose_tool_to_world)
+        pose = freeze(self.pose_tool_to_world)
         object.__setattr__(self, "pose_tool_to_world", pose)
         if self.kind not in kinds():
             raise InvalidInput(
@@ -81,7 +81,7 @@ class Grasp(ByValue):
         return self.pose_tool_to_world[:3, 2]
 
     @property
-    def closing(self) -> FloatArray:
+    def closing_axis(self) -> FloatArray:
         """(3,) unit direction in the world along which the pads close."""
         return self.pose_tool_to_world[:3, 1]
 
@@ -104,7 +104,7 @@ class Grasp(ByValue):
         close = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < distance
         return self.tool == other.tool and close and min(along) > np.cos(angle)
 
-    def moved(self, pose: FloatArray) -> "Grasp":
+    def move(self, pose: FloatArray) -> "Grasp":
         """The grasp that takes hold of the object in the same way once that is elsewhere.
 
         Args:
@@ -112,6 +112,6 @@ class Grasp(ByValue):
         """
         return replace(self, pose_tool_to_world=pose @ self.pose_tool_to_world)
 
-    def turned(self) -> "Grasp":
+    def turn(self) -> "Grasp":
         """The same grasp with the hand turned half around z: equal for the object, not for the arm."""
         return replace(self, pose_tool_to_world=self.pose_tool_to_world @ HALF_TURN)

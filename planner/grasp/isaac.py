@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.grasp.foreign import ForeignGrasps, checked
+from topple.planner.grasp.foreign import ForeignGrasps, check_grasps
 from topple.planner.grasp.tolerances import HAND_TO_PADS
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, NotInstalled
@@ -54,7 +54,7 @@ def read(path: Path) -> ForeignGrasps:
             raise InvalidInput(
                 f"{name}: grasp {key!r} needs position [x, y, z] and orientation {{w, xyz}}: {error}"
             ) from error
-    return checked(ForeignGrasps(poses, scores, np.full(len(entries), np.nan), "isaac_grasp"), name)
+    return check_grasps(ForeignGrasps(poses, scores, np.full(len(entries), np.nan), "isaac_grasp"), name)
 
 
 def _rotation(quaternion: FloatArray) -> FloatArray:

@@ -30,10 +30,10 @@ from topple.planner.grasp.tolerances import (
     UPRIGHT,
     WIDEST,
 )
-from topple.planner.grasp.widen import widened
+from topple.planner.grasp.widen import widen_pinches
 from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.arm.jaw import ParallelJaw
-from topple.robots.collision.prisms import filled
+from topple.robots.collision.prisms import fill_prisms
 from topple.topology.base.arrays import BoolArray, FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.hull import Hull
@@ -97,11 +97,11 @@ class Jaw(HandShape):
 
     def widened(self, grasps: Sequence[Grasp], sought: Sought) -> list[Grasp]:
         """Pinches with the fingers as far apart as there is room."""
-        return widened(grasps, sought, self)
+        return widen_pinches(grasps, sought, self)
 
     def turns(self, grasp: Grasp) -> list[Grasp]:
         """A jaw turned half is the same."""
-        return [grasp, grasp.turned()]
+        return [grasp, grasp.turn()]
 
     # -- how it stands
 
@@ -119,20 +119,20 @@ class Jaw(HandShape):
         In a vessel only as far as it takes: fingers would push aside what else is in it. A level hand, whose
         lower finger is below the object, opens wide everywhere, or it would draw the object along.
         """
-        below = grasp.kind == PINCH and abs(float(grasp.closing @ up)) > UPRIGHT
+        below = grasp.kind == PINCH and abs(float(grasp.closing_axis @ up)) > UPRIGHT
         if into is not None and not below:
             return ToolState(self._round_opening(grasp.width + RELEASE_GAP))
         return self.hand
 
     def _round_opening(self, opening: float) -> float:
-        return min(self.max_opening, stepped(opening))
+        return min(self.max_opening, step_up(opening))
 
     # -- where it is
 
     def filled(self, grasps: Sequence[Grasp], length: float, layers: int) -> FloatArray:
         """Points (G, N, 3) in both open fingers, some metres back from their fronts, in the tool frames."""
         half = np.array([grasp.opening / 2.0 for grasp in grasps])[:, None, None] * np.array([0.0, 1.0, 0.0])
-        right = filled(self.finger, length, layers) + half
+        right = fill_prisms(self.finger, length, layers) + half
         return np.concatenate([right, right * np.array([1.0, -1.0, 1.0])], axis=1)
 
     def stand_in(self, grasps: Sequence[Grasp], solid: Sequence[Hull]) -> BoolArray:
@@ -161,7 +161,7 @@ class Jaw(HandShape):
         return Region(-bound, bound)
 
     def sweeps(self, openings: FloatArray) -> tuple[list[Region], list[Region]]:
-        """What open hands (P,) sweep on their way in, as far as they open where 0."""
+        """Regions that open hands (P,) sweep on their way in, as far as they open where 0."""
         opening = np.where(openings > 0.0, np.minimum(self.max_opening, openings), self.max_opening)
         return [swept(len(opening), *bounds) for bounds in self.footprints(opening)], []
 
@@ -190,7 +190,7 @@ class Jaw(HandShape):
 def _between_pads(
     pose: FloatArray, opening: float, surface: Surface, solid: Sequence[Hull], hand: HandShape
 ) -> tuple[float, float, Callable[[float, float], bool]] | None:
-    """What is between the open pads of a hand at a pose (4, 4); None where nothing is.
+    """Measure the object between the open pads of a hand at a pose (4, 4); None where nothing is.
 
     Seen and guessed sides tell, and what is between them: of a block that hides its far side, all of it is.
 
@@ -239,7 +239,7 @@ def _is_held(held: Between, window: BoolArray, hand: HandShape, opening: float, 
     return bool(antipodality(held, window, low, high, apart, hand, tolerances, lenient=True)[0] > 0.0)
 
 
-def stepped(opening: float) -> float:
+def step_up(opening: float) -> float:
     """An opening [m] rounded up to a step."""
     return float(np.ceil(opening / OPENING_STEP - 1e-9)) * OPENING_STEP
 

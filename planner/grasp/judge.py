@@ -30,7 +30,7 @@ class Judged:
     met: tuple[str, ...] = ()
 
 
-def judged(grasps: Sequence[Grasp], room: Room) -> list[Judged]:
+def judge_grasps(grasps: Sequence[Grasp], room: Room) -> list[Judged]:
     """Judge grasps as a search of our own judges those that it finds.
 
     Args:

@@ -88,5 +88,5 @@ def chance_to_hold(load: FloatArray | float, weighed: bool = False) -> FloatArra
 
 
 def in_words(load: float) -> str:
-    """What to say of a load, after other words; nothing where it is surely held."""
+    """Say how heavy a load is, after other words; nothing where it is surely held."""
     return f"; its weight takes {100 * load:.0f} % of what surely holds it" if load > 1.0 else ""

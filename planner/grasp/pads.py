@@ -49,14 +49,14 @@ def between(points: FloatArray, normals: FloatArray, rotations: FloatArray, insi
     Returns:
         The points by frame.
     """
-    index, there = packed(inside)
+    index, there = pack(inside)
     y = np.where(there, np.einsum("fsi,fi->fs", points[index], rotations[:, :, 1]), np.inf)
     order = np.argsort(y, axis=1, kind="stable")
     index, there = np.take_along_axis(index, order, axis=1), np.take_along_axis(there, order, axis=1)
     return Between(np.matmul(points[index], rotations), np.matmul(normals[index], rotations), there)
 
 
-def packed(mask: BoolArray) -> tuple[IntArray, BoolArray]:
+def pack(mask: BoolArray) -> tuple[IntArray, BoolArray]:
     """Columns that are set in each row, moved to its left.
 
     Args:
@@ -133,7 +133,7 @@ def antipodality(
     below = held.there & (z > tip) & (z < tip + SLOPE_LENGTH)
     below &= np.abs(y - ((low + high) / 2.0)[:, None]) < opening[:, None] / 2.0
     for side, edge in ((-1.0, low), (1.0, high)):
-        contact, there = packed(window & (np.abs(y - edge[:, None]) < EDGE))
+        contact, there = pack(window & (np.abs(y - edge[:, None]) < EDGE))
         at = np.take_along_axis(x, contact, axis=1)
         normals = np.take_along_axis(held.normals, contact[:, :, None], axis=1)
         count, square = np.count_nonzero(there, axis=1), side * normals[:, :, 1]

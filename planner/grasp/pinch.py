@@ -11,7 +11,7 @@ from topple.planner.grasp.load import HOLD, chance_to_hold, in_words, jaw_load, 
 from topple.planner.grasp.shape import Sought
 from topple.planner.grasp.surroundings import ITSELF
 from topple.planner.grasp.windows import State, Windows, windows
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 
 WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
 """Exponents of a pinch's terms: one that is nil spoils the grasp alone."""
@@ -88,7 +88,7 @@ def _best_and_deepest(frames: Frames, windows: Windows, sought: Sought, hand: Ha
             parts = {name: float(values[k]) for name, values in terms.items()}
             said = ", ".join(f"{term} {value:.2f}" for term, value in parts.items())
             reason = (
-                f"{1e3 * float(width[k]):.0f} mm between the pads, tips {rounded(1e3 * float(depth[k]))}"
+                f"{1e3 * float(width[k]):.0f} mm between the pads, tips {decimal(1e3 * float(depth[k]))}"
                 f" mm deep; {said}{in_words(float(load[k]))}"
             )
             parts[HOLD] = float(chance[k])

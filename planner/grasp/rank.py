@@ -13,7 +13,7 @@ import numpy as np
 from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
 from topple.planner.grasp.grasp import PINCH, Grasp
-from topple.planner.grasp.judge import judged, poses_of, reachable
+from topple.planner.grasp.judge import judge_grasps, poses_of, reachable
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.shape import shapes_of
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH
@@ -131,7 +131,7 @@ def rank_grasps(
     graph = dependencies(situation) if graph is None else graph
     room = Room.of(situation, arm)
     found = _held_objects(given, told, room)
-    against = judged([entry.grasp for entry in found], room)
+    against = judge_grasps([entry.grasp for entry in found], room)
     before = {
         name: tuple(sorted(graph.before(name))) for name in {entry.grasp.object for entry in found} - {""}
     }
@@ -233,7 +233,7 @@ def _as_grasps(
         np.eye(4) if pose_source_to_world is None else as_pose(pose_source_to_world, "pose_source_to_world")
     )
     if not isinstance(grasps, ForeignGrasps):
-        return [grasp.moved(to_world) for grasp in grasps]
+        return [grasp.move(to_world) for grasp in grasps]
     poses, openings = to_world @ grasps.poses_tool_to_source, np.nan_to_num(grasps.widths)
     kind: str = PINCH
     if arm is not None and arm.tools and not arm.hand_limits.opening and bool(np.isnan(grasps.widths).all()):
@@ -247,7 +247,7 @@ def _as_grasps(
 def _told_objects(
     grasps: ForeignGrasps, scene: Scene, names: Mapping[int, str] | Mapping[str, str] | None
 ) -> dict[int, str]:
-    """What grasps hold as their file has it, by their places."""
+    """Objects that grasps hold according to their file, by index."""
     for name in () if names is None else names.values():
         if name not in scene.movable:
             raise UnknownObject(name, scene.movable, role="object to grasp")

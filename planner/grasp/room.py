@@ -47,7 +47,7 @@ class Room:
 
     @property
     def scene(self) -> Scene:
-        """What is seen."""
+        """The scene as seen."""
         return self.situation.scene
 
     def surface(self, name: str) -> Surface:
@@ -58,7 +58,7 @@ class Room:
         return self._surfaces[name]
 
     def hulls(self, name: str) -> tuple[Hull, ...]:
-        """What an object fills, as far as it was seen: its convex parts."""
+        """Space that an object fills, as far as it was seen: its convex parts."""
         if name not in self._hulls:
             self._hulls[name] = tuple(map(Hull.of, self.situation.solids[name]))
         return self._hulls[name]

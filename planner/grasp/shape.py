@@ -14,8 +14,8 @@ from topple.planner.grasp.surroundings import Dropped, Surroundings, surrounding
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH, WAY_LAYERS, GraspTolerances
 from topple.robots.arm.gripper import Tool, ToolState
 from topple.robots.arm.tolerances import FINGER_SLABS, GRAVITY
-from topple.robots.collision.prisms import Prism, filled, prisms
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.robots.collision.prisms import Prism, fill_prisms, prisms
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.plugins import Table
 from topple.topology.geometry.hull import Hull
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
     from topple.topology.situation.situation import Situation
 
-ACROSS = frozen(
+ACROSS = freeze(
     np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 )
 """(4, 4) a quarter turn of the hand about its approach."""
@@ -155,7 +155,7 @@ class Shape(ABC):
     def turns(self, grasp: "Grasp") -> list["Grasp"]:
         """A grasp with the hand turned about its approach in all ways that hold the same."""
         across = replace(grasp, pose_tool_to_world=grasp.pose_tool_to_world @ ACROSS)
-        return [grasp, grasp.turned(), across, across.turned()]
+        return [grasp, grasp.turn(), across, across.turn()]
 
     # -- how the hand stands
 
@@ -175,7 +175,7 @@ class Shape(ABC):
 
     def filled(self, grasps: Sequence["Grasp"], length: float, layers: int) -> FloatArray:
         """Points (G, N, 3) of what has to be seen on the way in, some metres back from the front [m]."""
-        return np.tile(filled(self.body, length, layers), (len(grasps), 1, 1))
+        return np.tile(fill_prisms(self.body, length, layers), (len(grasps), 1, 1))
 
     def stand_in(self, grasps: Sequence["Grasp"], solid: Sequence[Hull]) -> BoolArray:
         """(G,) whose hands would stand in what their object fills."""
@@ -186,7 +186,7 @@ class Shape(ABC):
         """Where something has to be that `count` hands hold."""
 
     def sweeps(self, openings: FloatArray) -> tuple[list[Region], list[Region]]:
-        """What open hands (P,) sweep on their way in; after it, what their own object may be in."""
+        """Regions that open hands (P,) sweep on their way in, and those where their own object may be."""
         return [swept(len(openings), *prism.x, *prism.y, prism.front) for prism in self.body], []
 
     def below(self, poses: FloatArray, up: FloatArray, floors: FloatArray) -> BoolArray:

@@ -113,7 +113,7 @@ def _fill(data: bytes, shape: tuple[int, ...], dtype: np.dtype[Any], fortran: bo
 
 
 def _dict_of_arrays(value: Any) -> dict[Key, np.ndarray[Any, Any]]:
-    """What was unpickled, where it is a dict of arrays by numbers or text."""
+    """Take out a dict of arrays by numbers or text; refuse any other value."""
     if isinstance(value, _Array):
         value = value.value
     if isinstance(value, list):  # numpy stores a dict as an array without axes, whose one value it is
@@ -192,7 +192,7 @@ class _Machine:
         self.stack.append(value)
         return value
 
-    def named(self, module: str, name: str = "") -> None:
+    def push_name(self, module: str, name: str = "") -> None:
         if f"{module}.{name}" not in _NAMES:
             raise _Refused(f"it asks for {module}.{name}"[:80] + ", which is not run")
         self.stack.append(_Global(str(name)))
@@ -201,7 +201,7 @@ class _Machine:
         name, module = self.pop(), self.pop()
         if not isinstance(module, str) or not isinstance(name, str):
             raise _Refused("it asks for what is no name")
-        self.named(module, name)
+        self.push_name(module, name)
 
     def extend(self, values: list[Any]) -> None:
         target = self.top()
@@ -267,7 +267,7 @@ _STEPS: Mapping[str, Callable[[_Machine, Any], None]] = {
     "APPENDS": lambda machine, _: machine.extend(machine.to_mark()),
     "SETITEM": lambda machine, _: machine.set_items([machine.pop(), machine.pop()][::-1]),
     "SETITEMS": lambda machine, _: machine.set_items(machine.to_mark()),
-    "GLOBAL": lambda machine, argument: machine.named(*str(argument).split(" ", 1)),
+    "GLOBAL": lambda machine, argument: machine.push_name(*str(argument).split(" ", 1)),
     "STACK_GLOBAL": lambda machine, _: machine.stack_global(),
     "REDUCE": lambda machine, _: machine.reduce(),
     "BUILD": lambda machine, _: machine.build(),

@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.planner.grasp.foreign import (
     ForeignGrasps,
-    checked,
+    check_grasps,
     grasps_from_array,
     label_of,
     plain,
@@ -20,7 +20,7 @@ from topple.planner.grasp.stored import MOST_BYTES, Key, Stored, read_stored
 from topple.planner.grasp.tolerances import HAND_TO_PADS
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.io.limits import opened, read_bytes
+from topple.topology.io.limits import open_file, read_bytes
 
 READ = {"pred_grasps_cam", "gripper_openings", "poses", "scores"}  # of an .npz
 _NPZ, _NPY = b"PK\x03\x04", b"\x93NUMPY"
@@ -28,7 +28,7 @@ _NPZ, _NPY = b"PK\x03\x04", b"\x93NUMPY"
 
 def reads(path: Path) -> bool:
     """Tell one by how it begins."""
-    with opened(path, str(path)) as file:
+    with open_file(path, str(path)) as file:
         return file.read(len(_NPY)).startswith((_NPZ, _NPY))
 
 
@@ -108,7 +108,7 @@ def _contact_graspnet(found: Mapping[str, Stored], name: str) -> ForeignGrasps:
     widths = np.full(len(hands), np.nan)
     if "gripper_openings" in values:
         widths = np.concatenate(values["gripper_openings"])
-    return checked(ForeignGrasps(turned, scores, widths, "contact_graspnet", tuple(labels)), name)
+    return check_grasps(ForeignGrasps(turned, scores, widths, "contact_graspnet", tuple(labels)), name)
 
 
 def _by_segment(stored: Stored) -> dict[Key, Any]:

@@ -141,7 +141,7 @@ class CupShape(Shape):
         return Region(-bound, bound, self.cup.radius)
 
     def sweeps(self, openings: FloatArray) -> tuple[list[Region], list[Region]]:
-        """What hands (P,) with the cup out sweep; what they take may bulge into the bellows."""
+        """Regions that hands (P,) with the cup out sweep; the object taken may bulge into the bellows."""
         side = self.cup.radius + GRASP_TOLERANCES.under_clearance
         lip = swept(len(openings), -side, side, -side, side, 0.0)
         return super().sweeps(openings)[0], [Region(lip.lower, lip.upper, side)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
-from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, bounds, freeze
 from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.thin import voxel_means
@@ -33,7 +33,7 @@ class Surroundings:
     floor: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen(self.points))
+        object.__setattr__(self, "points", freeze(self.points))
 
     def near(self, place: FloatArray, distance: float) -> "Surroundings":
         """Those within a distance [m] of a place (3,)."""

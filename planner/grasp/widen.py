@@ -12,7 +12,7 @@ from topple.planner.grasp.tolerances import SHARES
 from topple.topology.base.arrays import BoolArray, FloatArray
 
 
-def widened(grasps: Sequence[Grasp], sought: Sought, hand: HandShape) -> list[Grasp]:
+def widen_pinches(grasps: Sequence[Grasp], sought: Sought, hand: HandShape) -> list[Grasp]:
     """Open the hand of each pinch as far as there is room.
 
     Args:

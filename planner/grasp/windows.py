@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from topple.planner.grasp.frames import Frames
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
+from topple.planner.grasp.pads import Between, antipodality, between, extents, pack
 from topple.planner.grasp.shape import Sought
 from topple.planner.grasp.surroundings import Surroundings
 from topple.planner.grasp.tolerances import (
@@ -115,7 +115,7 @@ def _kernel_numbers(sought: Sought, hand: HandShape) -> FloatArray:
 
 
 def _find(found: Windows, frames: Frames, sought: Sought, hand: HandShape) -> None:
-    """What the kernel finds."""
+    """Find the windows as the kernel does."""
     look = _look(frames, sought, hand)
     if look is None:
         return
@@ -207,7 +207,7 @@ def _look(frames: Frames, sought: Sought, hand: HandShape) -> _Look | None:
 
 
 def _holds(look: _Look, sought: Sought, hand: HandShape) -> _Hold:
-    """What the pads would close on at each depth."""
+    """Find the points that the pads would close on at each depth."""
     tolerances = sought.tolerances
     depths = np.array(tolerances.depths)
     tips = look.top[:, None] + depths
@@ -311,7 +311,7 @@ def _reaches(
     x = np.abs(x)
 
     def those(near: BoolArray, front: float) -> _Reach:
-        index, there = packed(near & (z < shift + np.float32(front + ROUGH)))
+        index, there = pack(near & (z < shift + np.float32(front + ROUGH)))
         exact = np.matmul(points[index], look.rotations)
         z_in = np.where(there, exact[:, :, 2], np.inf)
         return _Reach(exact[:, :, 0], exact[:, :, 1], z_in, index, margin[index])

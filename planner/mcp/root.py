@@ -11,7 +11,7 @@ import numpy as np
 
 from topple.topology.base.errors import InvalidInput
 from topple.topology.io.assemble import Parts, assemble
-from topple.topology.io.limits import allowing, check_place, check_size, confined, read_given
+from topple.topology.io.limits import allow, check_place, check_size, confine, read_given
 from topple.topology.io.load import load_scene
 from topple.topology.io.mjcf import parts_from_mjcf
 from topple.topology.scene.scene import Scene
@@ -65,7 +65,7 @@ class Root:
 
     @contextmanager
     def _confine_reading(self) -> Generator[None, None, None]:
-        with confined(self.folder), allowing(self.most_bytes, self.folder):
+        with confine(self.folder), allow(self.most_bytes, self.folder):
             yield
 
     def place(self, path: str) -> Path:
@@ -74,7 +74,7 @@ class Root:
         Raises:
             InvalidInput: It is outside, by `..`, as an absolute path or by a link.
         """
-        with confined(self.folder):
+        with confine(self.folder):
             return check_place(self.folder / path, path)
 
     def scene(self, source: SceneSource) -> Scene:

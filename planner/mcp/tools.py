@@ -93,7 +93,7 @@ TOOLS = {each.__name__: each for each in _ALL}
 
 @cache
 def inputs_of(name: str) -> Any:
-    """What a tool takes, as a struct: its keyword arguments."""
+    """Make a struct of a tool's keyword arguments."""
     hints = get_type_hints(TOOLS[name])
     parameters = [*inspect.signature(TOOLS[name]).parameters.values()][1:]  # after the root
     none = inspect.Parameter.empty

@@ -84,7 +84,7 @@ class Checker:
         self._open = OpenPairs(self.model)
         self.exact = ExactPhase(self.model)
 
-    def keeping(self, clearance: float, states: FloatArray | None = None) -> "Checker":
+    def at_distance(self, clearance: float, states: FloatArray | None = None) -> "Checker":
         """The same checks with a larger distance from obstacles, where the states have it.
 
         Args:
@@ -130,7 +130,7 @@ class Checker:
         return self.groups_free(q, np.arange(len(q)), len(q))
 
     def hand_meets(self, pose_flange_to_base: FloatArray) -> list[tuple[str, str] | None]:
-        """What the last frame carries meets of the obstacles, wherever the arm behind it may be.
+        """Find obstacles that the last frame's load meets, wherever the arm behind it may be.
 
         Args:
             pose_flange_to_base: (m, 4, 4) poses of that frame.
@@ -150,7 +150,7 @@ class Checker:
         return met
 
     def witness(self, q: FloatArray) -> tuple[str, str] | None:
-        """What meets what in a state: the names of the deepest pair, or None where the state is free."""
+        """Name the deepest pair in collision in a state; None where the state is free."""
         found = self.contacts(q)
         return (found[0].a, found[0].b) if found else None
 

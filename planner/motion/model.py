@@ -11,10 +11,10 @@ from topple.robots.arm.gripper import FINGERS, ToolState
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.separation import ConvexSets
 from topple.robots.poses import inverse
-from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, freeze
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import Solids
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,12 +114,12 @@ class _Parts:
         offsets = arm.offsets(tool_state)
         for i, (link, parts) in enumerate(zip(arm.links, arm.parts, strict=True)):
             for part in parts:
-                self._add(link, transformed(part, offsets[i]), arm.frame_of_link[i], i)
+                self._add(link, move_points(part, offsets[i]), arm.frame_of_link[i], i)
 
     def add_attached(self, arm: Arm, attached: Attachment) -> None:
         pose = arm.tool_to_flange(attached.tool)
         for part in attached.parts:
-            self._add(attached.name, transformed(_check_part(part, attached.name), pose), len(arm.joints), -1)
+            self._add(attached.name, move_points(_check_part(part, attached.name), pose), len(arm.joints), -1)
 
     def add_obstacles(self, pose_base_to_world: FloatArray, obstacles: Solids, taken: set[str]) -> None:
         world_to_base = inverse(pose_base_to_world)
@@ -129,7 +129,7 @@ class _Parts:
                     f"the obstacle {name!r} has the name of a link or of what is held; rename it"
                 )
             for part in obstacle:
-                self._add(name, transformed(_check_part(part, name), world_to_base), 0, -2)
+                self._add(name, move_points(_check_part(part, name), world_to_base), 0, -2)
 
     def _add(self, name: str, vertices: FloatArray, frame: int, link: int) -> None:
         self.names.append(name)
@@ -165,4 +165,4 @@ def _check_part(part: FloatArray, name: str) -> FloatArray:
 
 @lru_cache(maxsize=4096)  # an object's parts come again with every checker of its scene
 def _hull_vertices(data: bytes) -> FloatArray:
-    return frozen(hull_of(np.frombuffer(data).reshape(-1, 3))[0])
+    return freeze(hull_of(np.frombuffer(data).reshape(-1, 3))[0])

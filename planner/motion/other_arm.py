@@ -10,8 +10,8 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
-from topple.topology.geometry.rigid import transformed
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.rigid import move_points
+from topple.topology.geometry.samples import sample
 
 _CORNERS = GIVES_WAY * np.array(list(product((-1.0, 1.0), repeat=3)))
 
@@ -37,7 +37,7 @@ def arm_bodies(
     poses = [pose_base_to_world @ arm.forward(q, hand)[0] for hand in hands]
     return {
         f"{prefix} {link}": [
-            _grow(np.concatenate([transformed(part, places[number]) for places in poses])) for part in parts
+            _grow(np.concatenate([move_points(part, places[number]) for places in poses])) for part in parts
         ]
         for number, (link, parts) in enumerate(zip(arm.links, arm.parts, strict=True))
         if parts
@@ -57,9 +57,7 @@ def surface_points(arm: Arm, pose_base_to_world: FloatArray, q: FloatArray) -> F
     """
     poses = pose_base_to_world @ arm.forward(q)
     rows = [
-        _at(poses[:, number], _thin(sampled(parts, SPREAD)))
-        for number, parts in enumerate(arm.parts)
-        if parts
+        _at(poses[:, number], _thin(sample(parts, SPREAD))) for number, parts in enumerate(arm.parts) if parts
     ]
     return np.concatenate(rows, axis=1)
 

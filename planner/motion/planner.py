@@ -21,9 +21,9 @@ from topple.planner.motion.tolerances import (
     ROUNDED_LIMIT,
     ROUNDS,
 )
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Motion:
     seconds: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "path", frozen(self.path))
+        object.__setattr__(self, "path", freeze(self.path))
 
     @property
     def length(self) -> float:
@@ -117,7 +117,7 @@ def plan_motion(
         InvalidInput: If shapes are wrong or values are not finite.
     """
     start, goals = _validate(checker, start, goals)
-    trials = keeping(checker, start, goals, clearance)
+    trials = checkers(checker, start, goals, clearance)
     return in_turn(
         budget,
         (_plan(trial, start, goals, seed, round(share * rounds), certified) for trial, share in trials),
@@ -144,7 +144,7 @@ def in_turn(budget: float | None, searches: Iterable[Motion | MotionFailure]) ->
     return replace(found, seconds=time.monotonic() - begun)
 
 
-def keeping(
+def checkers(
     checker: Checker, start: FloatArray, goals: FloatArray, clearance: float
 ) -> Iterator[tuple[Checker, float]]:
     """Checkers that keep less and less of a clearance, the given one last.
@@ -160,13 +160,13 @@ def keeping(
     """
     wanted: FloatArray | None = None
     if clearance > checker.margin:
-        trial = checker.keeping(clearance)
+        trial = checker.at_distance(clearance)
         wanted = trial.model.margin
         yield trial, PATIENCE[0]  # mostly start and goal have it, and nothing need be looked at first
     for part, share in zip(RELAXED, PATIENCE, strict=True):
         if part * clearance <= checker.margin:
             break
-        trial = checker.keeping(part * clearance, start[None])
+        trial = checker.at_distance(part * clearance, start[None])
         if len(goals) and not trial.free(goals).any():
             clear = goals[checker.free(goals)]
             if not len(clear):
@@ -179,7 +179,7 @@ def keeping(
 
 def _nearest_kept(checker: Checker, start: FloatArray, goals: FloatArray, clearance: float) -> Checker:
     """A checker that the start and the goal with the most room both satisfy."""
-    trials = [checker.keeping(clearance, np.stack([start, goal])) for goal in goals[:DIRECT]]
+    trials = [checker.at_distance(clearance, np.stack([start, goal])) for goal in goals[:DIRECT]]
     return max(trials, key=lambda trial: float(trial.model.margin.sum()))
 
 
@@ -209,7 +209,7 @@ def _plan(
         rounds,
         Certifier(checker) if certified else None,
     )
-    found = query.direct() or query.searched()
+    found = query.direct() or query.search()
     if found is None:
         return _direct_way_barred(checker, start, goals[order[0]])
     path, stage, certificate = found
@@ -251,7 +251,7 @@ class _Query:
                 return path, "direct", certificate
         return None
 
-    def searched(self) -> _Found | None:
+    def search(self) -> _Found | None:
         """The first path the search finds that can be certified, or else the first one."""
         fallback: _Found | None = None
         for attempt in range(ATTEMPTS):
@@ -335,7 +335,7 @@ def _refuse_ends(checker: Checker, start: FloatArray, goals: FloatArray) -> Moti
 
 
 def _direct_way_barred(checker: Checker, start: FloatArray, goal: FloatArray) -> MotionFailure:
-    """What stands in the direct way, as the best guess at what bars every way."""
+    """Blame the obstacle in the direct way, as the best guess at what bars every way."""
     states = start + np.linspace(0.0, 1.0, 101)[:, None] * (goal - start)
     hit = np.flatnonzero(~checker.free(states))
     found = checker.contacts(states[hit[len(hit) // 2]]) if len(hit) else ()
@@ -346,4 +346,4 @@ def _direct_way_barred(checker: Checker, start: FloatArray, goal: FloatArray) ->
 
 def _says(contacts: tuple[Contact, ...]) -> str:
     worst = contacts[0]
-    return f"{worst.a} touches {worst.b} ({rounded(1e3 * max(-worst.distance, 0.0))} mm deep)"
+    return f"{worst.a} touches {worst.b} ({decimal(1e3 * max(-worst.distance, 0.0))} mm deep)"

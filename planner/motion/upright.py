@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.planner import Motion, MotionFailure, in_turn, keeping
+from topple.planner.motion.planner import Motion, MotionFailure, checkers, in_turn
 from topple.planner.motion.rrt import rrt_connect
 from topple.planner.motion.shortcut import shortcut
 from topple.planner.motion.tolerances import CLEARANCE, DAMPING, ROUNDS, STEP, UPRIGHT_ROUNDS, WITHIN
@@ -98,7 +98,7 @@ def plan_upright(
     Returns:
         The motion with its certificate, its tilt proven too; or why there is none.
     """
-    trials = keeping(checker, start, goals, CLEARANCE)
+    trials = checkers(checker, start, goals, CLEARANCE)
     levels = ((_Level(trial, start, kept), round(share * rounds)) for trial, share in trials)
     return in_turn(None, (_plan(level, start, goals, seed, share) for level, share in levels))
 

@@ -31,12 +31,12 @@ from topple.planner.placement.tolerances import (
 )
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import inverse
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.values import Word
-from topple.topology.bodies.solids import Solids, moved
+from topple.topology.bodies.solids import Solids, move_parts
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 if TYPE_CHECKING:
     from topple.topology.situation.situation import Situation
@@ -178,11 +178,11 @@ class Receiver:
     pose_base_to_world: FloatArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pose", frozen(self.pose))
+        object.__setattr__(self, "pose", freeze(self.pose))
 
     @property
     def bodies(self) -> Solids:
-        """What of it is in the way, by name: convex parts (8, 3) in the world [m]."""
+        """Bodies of the receiver that are in the way, by name: convex parts (8, 3) in the world [m]."""
         if self.how not in BODIES:
             return {}
         x, y, z = self.size
@@ -192,9 +192,9 @@ class Receiver:
             boxes = [((0.0, 0.0, w / 2.0), (x, y, w))]
             boxes += [((s * (x - w) / 2.0, 0.0, z / 2.0), (w, y, z)) for s in (-1.0, 1.0)]
             boxes += [((0.0, s * (y - w) / 2.0, z / 2.0), (x, w, z)) for s in (-1.0, 1.0)]
-        return {BODIES[self.how]: [transformed(_corners(*box), self.pose) for box in boxes]}
+        return {BODIES[self.how]: [move_points(_corners(*box), self.pose) for box in boxes]}
 
-    def moved(self, pose: FloatArray) -> "Receiver":
+    def move(self, pose: FloatArray) -> "Receiver":
         """The same in another frame, to which a rigid transform (4, 4) leads."""
         return replace(self, pose=pose @ self.pose, pose_base_to_world=pose @ self.pose_base_to_world)
 
@@ -202,7 +202,7 @@ class Receiver:
         """The same on the table that is seen there, where that is higher by no more than noise."""
         half, rise = self.size / 2.0, [0.0]
         for name in situation.scene.fixed:
-            seen = transformed(situation.scene.clouds[name], inverse(self.pose)) - [0.0, 0.0, self.size[2]]
+            seen = move_points(situation.scene.clouds[name], inverse(self.pose)) - [0.0, 0.0, self.size[2]]
             on_it = (np.abs(seen[:, :2]) < half[:2]).all(axis=1) & (np.abs(seen[:, 2]) < LEVEL_WITH)
             rise += np.quantile(seen[on_it, 2], [0.98]).tolist() if on_it.any() else []
         pose = self.pose.copy()
@@ -211,7 +211,7 @@ class Receiver:
 
     def clear_of(self, situation: "Situation") -> bool:
         """Whether nothing that is seen is where it stands."""
-        whole = [transformed(_corners((0.0, 0.0, self.size[2] / 2.0), tuple(self.size)), self.pose)]
+        whole = [move_points(_corners((0.0, 0.0, self.size[2] / 2.0), tuple(self.size)), self.pose)]
         return all(apart(whole, parts, 1e-3) for parts in situation.solids.values())
 
     def places(self, name: str, situation: "Situation", beside: Solids) -> list[Placement]:
@@ -247,7 +247,7 @@ class Receiver:
         words: str,
         drop: float = 0.0,
     ) -> Placement:
-        """What has its middle (3,) somewhere, turned about up, brought to another place (3,)."""
+        """Placement that turns an object about up and brings its middle from one point (3,) to another."""
         pose = np.eye(4)
         pose[:3, :3] = about(situation.up, 2.0 * np.pi * yaw / YAWS)
         pose[:3, 3] = to - pose[:3, :3] @ middle
@@ -267,7 +267,7 @@ class Receiver:
             aside = middle + share * inwards
             for rise in np.arange(RAISED, HIGHEST, 0.02).tolist():
                 place = self._at(situation, middle, aside + rise * out, 0, f"{1e2 * rise:.0f} cm {where}")
-                if apart(moved(own, place.pose_before_to_after), rest, LIFT_CLEAR):
+                if apart(move_parts(own, place.pose_before_to_after), rest, LIFT_CLEAR):
                     found.append(place)
                     break
         return found
@@ -280,7 +280,7 @@ class Receiver:
         found: list[Placement] = []
         for drop in (*HEIGHTS_IN_BIN, float(self.size[2])):
             for x, y in BIN_SPOTS:
-                spot = transformed(
+                spot = move_points(
                     np.array([[x * self.size[0], y * self.size[1], BIN_WALL + drop]]), self.pose
                 )[0]
                 found += [
@@ -289,15 +289,15 @@ class Receiver:
         return found
 
     def _space(self, name: str, situation: "Situation", beside: Solids) -> FreeSpace:
-        """What of the level area is free."""
+        """Find the free part of the level area."""
         axes, up = np.stack(level_axes(situation.up)), situation.up
-        top = transformed(_corners((0.0, 0.0, self.size[2]), (self.size[0], self.size[1], 0.0)), self.pose)
+        top = move_points(_corners((0.0, 0.0, self.size[2]), (self.size[0], self.size[1], 0.0)), self.pose)
         bodies = {other: parts for other, parts in {**situation.solids, **beside}.items() if other != name}
         del bodies[BODIES[self.how]]
         return free_around(BODIES[self.how], top, axes, up, bodies)
 
     def assumption(self) -> str:
-        """What is taken on trust, in a sentence; empty where nothing is."""
+        """State what is taken on trust, in a sentence; empty where nothing is."""
         x, y, z = np.round(self.pose[:3, 3], 3).tolist()
         wide, deep, high = (f"{1e2 * length:.0f}" for length in self.size)
         said: Mapping[Away, str] = {

@@ -56,7 +56,7 @@ def choose_base(scene: Scene | Situation, arm: Arm, targets: "tuple[str, ...]" =
         for distance in (scale_of(arm) * usual for usual in DISTANCES)
         for k in range(DIRECTIONS)
     ]
-    standing = _unobstructed(poses, scene, axes, up, level, scale_of(arm) * FOOT)
+    standing = _drop_obstructed(poses, scene, axes, up, level, scale_of(arm) * FOOT)
     reached: list[tuple[float, FloatArray]] = []
     for pose, reach in zip(standing, _reach(standing, names, scene, arm, up), strict=True):
         if reach > 0.0:
@@ -92,7 +92,7 @@ def _pose(
     return pose
 
 
-def _unobstructed(
+def _drop_obstructed(
     poses: list[FloatArray], scene: Scene, axes: FloatArray, up: FloatArray, level: float, foot: float
 ) -> list[FloatArray]:
     """The poses at which nothing that rises above their level is where the arm's foot would be."""

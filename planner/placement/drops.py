@@ -13,12 +13,12 @@ from topple.robots.collision.fcl_bodies import apart
 from topple.robots.engines import INSTALLED
 from topple.robots.poses import angle_between
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import Solids, moved
+from topple.topology.bodies.solids import Solids, move_parts
 from topple.topology.situation.situation import Situation
 from topple.topology.sixim.table import Relation
 
 
-def staying(
+def pick_staying(
     places: Sequence[Placement],
     name: str,
     where: str,
@@ -44,7 +44,7 @@ def staying(
     container = rule.prepare(where, scene.clouds[where])
 
     def inside(pose: FloatArray) -> bool:
-        (cloud,) = moved((scene.clouds[name],), pose)
+        (cloud,) = move_parts((scene.clouds[name],), pose)
         pair = rule.relate(rule.prepare(name, cloud), container)
         return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
@@ -58,7 +58,7 @@ def staying(
         rest = sandbox.release(place.pose_before_to_after)
         if inside(rest):
             way, push = sandbox.way(rest, place.pose_at_rest(up)), sandbox.push()
-            there = moved(bodies[name], rest)
+            there = move_parts(bodies[name], rest)
             beside = not all(apart(there, bodies[other], CLEAR) for other in contents)
             kept.append(((beside, round(2.0 * push), place.drop, round(way / DISTURBED)), place))
             gentle += kept[-1:] if push < QUIET else []
@@ -70,7 +70,7 @@ def _quietest(found: Sequence[tuple[tuple[float, ...], Placement]]) -> list[Plac
     return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 
-def standing(
+def try_standing(
     places: Sequence[Placement],
     name: str,
     situation: Situation,

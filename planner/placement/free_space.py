@@ -46,7 +46,7 @@ class FreeSpace:
         return self.origin + (cells + 0.5) * self.cell
 
     def under(self, cells: IntArray, covered: IntArray) -> tuple[FloatArray, BoolArray]:
-        """What is free below things that cover some cells around others.
+        """Measure the free space below objects that cover some cells around others.
 
         Args:
             cells: (P, 2) indices of cells.

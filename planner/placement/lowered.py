@@ -11,8 +11,8 @@ from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.bodies.solids import centre_in, hull_vertices
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.rigid import transformed
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.rigid import move_points
+from topple.topology.geometry.samples import sample
 from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene.scene import Scene
@@ -20,7 +20,7 @@ from topple.topology.situation.situation import Situation
 from topple.topology.statics.way_out import leads_up
 
 
-def lowered(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
+def lower(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
     """Lower an object, turned and over the place as it is told, onto what is there now.
 
     On what is fixed it comes to stand on its hidden sides, too.
@@ -42,8 +42,8 @@ def lowered(name: str, situation: Situation, pose: FloatArray) -> Placement | No
 def _lower(name: str, situation: Situation, pose: FloatArray) -> Placement | None:
     scene, up, solids = situation.scene, situation.up, situation.solids
     axes = np.stack(level_axes(up))
-    body = np.vstack([voxel_means(scene.clouds[name], CELL), sampled(solids[name], CELL)])
-    body = transformed(body, pose)
+    body = np.vstack([voxel_means(scene.clouds[name], CELL), sample(solids[name], CELL)])
+    body = move_points(body, pose)
     slides = not leads_up(situation.way_out_from(body), up)
     ceiling = float((body @ up).max()) + (OFF_BOARD if slides else PLACEMENT_TOLERANCES.headroom)
     heights = heights_of(scene, up, leave_out=name, ceiling=ceiling)

@@ -14,7 +14,7 @@ from topple.planner.placement.resting import (
 )
 from topple.planner.placement.tolerances import KEPT, SPARE_SHARE, YAWS
 from topple.planner.tolerances import ALIKE
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.errors import UnknownObject
 from topple.topology.base.values import Word
 from topple.topology.geometry.axes import level_axes
@@ -48,7 +48,7 @@ class Placement:
     falls: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))
+        object.__setattr__(self, "pose_before_to_after", freeze(self.pose_before_to_after))
 
     def pose_at_rest(self, up: FloatArray) -> FloatArray:
         """(4, 4) rigid transform in the world to where it lies once it fell by `drop`; up (3,) is a unit."""

@@ -79,7 +79,7 @@ class Proof:
         self._bodies = {False: there, True: {**there, name: situation.completed[name]}}
         self._sandbox, self._known = sandbox or Sandbox(), dict[Placement, Settled]()
 
-    def settled(self, place: Placement) -> Settled:
+    def settle(self, place: Placement) -> Settled:
         """How the object ends that is let go at a place; each place is tried once."""
         if place not in self._known:
             bodies, up = self._bodies[place.into is None and place.how != Away.BIN], self._up
@@ -87,22 +87,22 @@ class Proof:
                 self._sandbox.fill(self.name, bodies, up)
             container, meant = container_of(place.how, place.into), place.pose_at_rest(up)
             around = None if container is None else bodies[container]
-            self._known[place] = settled(self._sandbox, place.pose_before_to_after, meant, around, up)
+            self._known[place] = settle(self._sandbox, place.pose_before_to_after, meant, around, up)
         return self._known[place]
 
     def holds(self, place: Placement) -> bool:
         """Whether the object stays where a place has it, with some to spare; unasked without an engine."""
         if place.how in IN_HAND:
             return True
-        return not place.falls and (not INSTALLED or self.settled(place).within(PROOF_SPARE))
+        return not place.falls and (not INSTALLED or self.settle(place).within(PROOF_SPARE))
 
 
 def container_of(how: str | None, into: str | None) -> str | None:
-    """What an object is put into, where it may roll; None where it is put onto something."""
+    """Name the container an object is put into, where it may roll; None where it is put onto something."""
     return into if how == PlaceRelation.WITHIN else BODIES[Away.BIN] if how == Away.BIN else None
 
 
-def settled(
+def settle(
     sandbox: Sandbox,
     pose_before_to_release: FloatArray,
     pose_before_to_meant: FloatArray,

@@ -19,7 +19,7 @@ from topple.topology.base.errors import UnknownObject
 from topple.topology.bodies.solids import centre_in, hull_vertices
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene.scene import Scene
@@ -93,7 +93,7 @@ def placements_on(
     middle, steps = (low + high) / 2.0, np.linspace(-0.3, 0.3, 7)
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)
     target = list(scene.names).index(where)
-    body = np.vstack([voxel_means(scene.clouds[name], CELL, ahead=0.0), sampled(solids[name], CELL)])
+    body = np.vstack([voxel_means(scene.clouds[name], CELL, ahead=0.0), sample(solids[name], CELL)])
     centre = centre_in(scene, name, solids[name])
     found: list[Placement] = []
     for rest in resting_poses(scene.clouds[name], solids[name], up, scene.centres.get(name)):

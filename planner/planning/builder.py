@@ -35,7 +35,7 @@ from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.relations.relate import Relations
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -107,12 +107,12 @@ class PlanBuilder:
             self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
 
     def _context(self) -> Context:
-        """What the next step is chosen in, with what an order from before leaves."""
+        """Make the context in which the next step is chosen, with the rest of an earlier order."""
         avoid = dict[str, list[Grasp]]()
         for transfer in self.barred:
             avoid.setdefault(transfer.object, []).append(transfer.grasp)
         own = {
-            name: [grasp.moved(self.moved[name]) for grasp in some] if name in self.moved else some
+            name: [grasp.move(self.moved[name]) for grasp in some] if name in self.moved else some
             for name, some in self.context.grasps.items()
         }
         return replace(
@@ -143,7 +143,7 @@ class PlanBuilder:
         del self.steps[index:], self.chosen[index:], self.before[index:]
 
     def plan(self, base_searched: bool, assumptions: Sequence[str]) -> Plan:
-        """What was planned, as data."""
+        """Build the plan, as data."""
         context, arm = self.context, self.context.station.arm
         made = Plan(
             goal=self.goal.text,
@@ -194,8 +194,8 @@ class PlanBuilder:
         """Index of the last step of an object, -1 where it has none."""
         return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
 
-    def doubted(self, name: str) -> list[DependencyData]:
-        """What taking an object now goes against: what was seen before and is no more."""
+    def doubts(self, name: str) -> list[DependencyData]:
+        """Unlikely dependencies that taking an object now violates: seen before and no more."""
         gone = {step.object for step in self.steps}
         return [
             data
@@ -211,7 +211,7 @@ class PlanBuilder:
             self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
         transfer = chosen.transfer
         names = [step.object for step in self.steps]
-        against = self.doubted(transfer.object)
+        against = self.doubts(transfer.object)
         for edge in against:
             self.reasons.pop((edge.first, edge.then), None)
         below = {first for first, then in self.reasons if then == transfer.object}
@@ -226,7 +226,7 @@ class PlanBuilder:
         pose = transfer.placement.pose_at_rest(self.up)
         context = self.context
         if transfer.placement.how is Away.ZONE:
-            there = {transfer.object: moved(self.situation.solids[transfer.object], pose)}
+            there = {transfer.object: move_parts(self.situation.solids[transfer.object], pose)}
             context = replace(context, obstacles={**context.obstacles, **there})
         self.context = replace(context, station=replace(context.station, q=transfer.q_end))
         self.situation = after(self.situation, transfer)
@@ -239,7 +239,7 @@ class PlanBuilder:
 
 
 def _left_by(chosen: NextStep, situation: Situation) -> Order | None:
-    """What an order leaves once its first object is gone.
+    """Shorten an order by its first object.
 
     None where that met others, which it may have held, and where what stood first could not be taken: then
     something else may better be next.

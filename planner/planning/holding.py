@@ -107,7 +107,7 @@ class HoldPlanner:
         for choice in sorted(choices, key=lambda choice: -choice.room):
             if len(tried) >= GRIPS:
                 break
-            if any(map(choice.alike, tried)) or (grip := choice.grips.proven(choice.state)) is None:
+            if any(map(choice.alike, tried)) or (grip := choice.grips.prove(choice.state)) is None:
                 continue
             tried.append(choice)
             steps = self._steps(grip, choice)
@@ -168,7 +168,7 @@ class HoldPlanner:
         return replace(steps[0], then=tuple(steps[1:]))
 
     def _handling_beside(self, holder: Station, beside: Solids, situation: Situation) -> Handling:
-        """What is asked about what one arm holds, with the bodies of the other arm beside it."""
+        """Set up the handling of the held object, with the bodies of the other arm beside it."""
         return Handling(self.hold.object, situation, holder, seed=self.context.seed, obstacles=beside)
 
     def _holder_bodies(self, holder: Station, grip: Transfer) -> Solids:
@@ -177,7 +177,7 @@ class HoldPlanner:
         return arm_bodies(self._prefix(holder), holder.arm, holder.pose_base_to_world, q, (hand,))
 
     def _prefix(self, station: Station) -> str:
-        """What the names of an arm's bodies begin with."""
+        """Prefix of the names of an arm's bodies."""
         return SECOND if station is self.context.second else FIRST
 
 

@@ -17,7 +17,7 @@ from topple.planner.decide.turn import may_begin, may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import TransferFailure
 from topple.planner.fallbacks import Relaxation
-from topple.planner.placement.drops import staying
+from topple.planner.placement.drops import pick_staying
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
@@ -47,7 +47,7 @@ class StepChooser:
         self.transfers = Transfers(situation, context)
 
     def unmet(self) -> tuple[str, ...]:
-        """What is still missing for the goal, in words."""
+        """Say what is still missing for the goal."""
         free = [f"{name} is not free" for name in self._not_free()]
         return (*free, *self.goal.unmet(self.situation.relations, self.scene.fixed, self.situation.supports))
 
@@ -95,7 +95,7 @@ class StepChooser:
         )
         if step is not None:
             return step
-        explained = tuple(self.transfers.explained(failure) for failure in failures)
+        explained = tuple(self.transfers.explain(failure) for failure in failures)
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
         held = (f"with a second hand, {hold.sentence(chosen.order)}" for hold in chosen.holds)
         words = (*(tuple(str(failure) for failure in explained) or (waiting,)), *held)
@@ -148,18 +148,18 @@ class StepChooser:
         return None
 
     def _alone(self, chosen: Order) -> list[str]:
-        """What may go now; with a second arm nothing from where that has to hold something on."""
+        """Objects that may go now; with a second arm none from where that has to hold something on."""
         begins = {hold.since for hold in chosen.holds} if self.context.second is not None else set[str]()
         return list(takewhile(lambda name: name not in begins, may_go(chosen)))
 
     def _make_room(self, failures: Sequence[TransferFailure]) -> NextStep | None:
-        """What bars the way to an object that could not be taken, or stands beside it: it goes first.
+        """Take away an object that bars the way to one that could not be taken, or stands beside it.
 
         Nothing goes twice to make room, so this comes to an end.
         """
         barred = {failure.object for failure in failures}
         for failure in failures:
-            for other in self.transfers.barring(failure):
+            for other in self.transfers.barriers(failure):
                 step = self._taken_away(other, barred, f"it is in the way to {failure.object} ({failure})")
                 if step is not None:
                     return step
@@ -234,7 +234,7 @@ class StepChooser:
         raise stuck[0] if stuck else NoSafePlan(str(failed[-1]), (str(failed[-1]),), (failed[-1],))
 
     def _by(self, name: Relaxation, attempt: Callable[[], NextStep | None]) -> NextStep | None:
-        """What an attempt gives, with the name of the relaxation, where that may be tried."""
+        """Make an attempt, under the name of its relaxation, where that may be tried."""
         step = attempt() if name in self.context.relaxations else None
         return None if step is None else replace(step, fallbacks=(name, *step.fallbacks))
 
@@ -245,7 +245,7 @@ class StepChooser:
         if place.how != PlaceRelation.WITHIN:
             return found, found, found
         lying = [other for other in self.transfers.inside(where) if other != name]
-        return found, *staying(found, name, where, self.situation, lying)
+        return found, *pick_staying(found, name, where, self.situation, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
         """An object that a later placement moves and that comes out only once the base is off: base first."""
@@ -256,14 +256,14 @@ class StepChooser:
         return None
 
     def _in_the_way(self, place: Place) -> list[str]:
-        """What is in a container and does not belong there."""
+        """Objects in a container that do not belong there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
         return [
             other for other in self.transfers.inside(place.where) if other not in settled | {place.object}
         ]
 
     def _standing_on(self, place: Place) -> tuple[str, ...]:
-        """What stands on a supporter and is not what shall stand there."""
+        """Objects on a supporter that are not to stand there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
         return tuple(
             support.supported
@@ -286,7 +286,7 @@ class StepChooser:
         """The situation to order: what rides in a container that is kept upright is one thing with it."""
         scene = self.scene
         for name in self.context.upright:
-            riders = [rider for rider in self.transfers.riding(name) if rider not in targets]
+            riders = [rider for rider in self.transfers.riders(name) if rider not in targets]
             for rider in riders:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
                 together: dict[str, float] = {}
@@ -297,7 +297,7 @@ class StepChooser:
         return self.situation if scene is self.scene else Situation(scene)
 
     def _still_needed(self, name: str) -> frozenset[str]:
-        """What is still to be taken once an object is gone, or to have something put on or into it."""
+        """Objects still to be taken once one is gone, or to have something put on or into them."""
         left = (place for place in self.goal.places if (place.object, Action.PLACE) not in self.context.done)
         named = {other for place in left for other in (place.object, place.where)}
         return frozenset(named.union(self._needed, self._not_free()) - {name})
@@ -311,7 +311,7 @@ class GoalTask:
 
     @staticmethod
     def of(goal: str | Collection[str] | Task) -> Task:
-        """What somebody wants, as a task."""
+        """Make a task of a goal; a task stays as it is."""
         return goal if isinstance(goal, Task) else GoalTask(goal)
 
     def in_frame(self, _pose: FloatArray, _up: FloatArray, /) -> Task:
@@ -323,7 +323,7 @@ class GoalTask:
         return parse_goal(self.words, scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """What chooses the steps."""
+        """Make the chooser of the steps."""
         return StepChooser(situation, goal, context)
 
 

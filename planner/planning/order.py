@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.budget import bounded
+from topple.planner.budget import within_budget
 from topple.planner.building.apart import taking_apart
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
@@ -16,7 +16,7 @@ from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import (
     DependencyGraph,
     dependencies,
-    reasoned,
+    reason_out,
     with_fixture,
     with_measured,
 )
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @checked_arguments
-@bounded
+@within_budget
 def order(
     scene: AnyScene | Situation,
     targets: Collection[str] | str | None = None,
@@ -114,26 +114,26 @@ def order(
     if check_gravity:
         check_up(sized.scene, statics)
     beliefs = beliefs or Beliefs()
-    full, chance = reasoned(situation)
+    full, chance = reason_out(situation)
     full = with_measured(full, beliefs.measured, situation)
     check_masks(situation, wanted, full)
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, situation.statics))
     if verify:
-        from topple.planner.simulate.votes import ask, chances, confirmed
+        from topple.planner.simulate.votes import ask, chances, confirm
 
         votes = ask(situation.statics, full, seed)
         chance = chances(chance, votes, len(scene.viewpoints) or None)
         level = [edge for edge in full.dependencies if not sized.goes_up(edge.then)]  # simulation lifts
         chance |= {(edge.first, edge.then): edge.confidence for edge in level}
-        full = _with_witnesses(confirmed(full, chance, votes), situation)
+        full = _with_witnesses(confirm(full, chance, votes), situation)
         notes = {"trials": votes.trials}
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
     apart = taking_apart(sized, full, hands, fixture)
     if fixture:
         full, chance = _kept_still(full, chance, statics, fixture)
     edges, chance = {(edge.first, edge.then) for edge in full.dependencies}, FrozenDict(chance)
-    risked = beliefs.weighed(chance, edges) if beliefs.chances or beliefs.alone else chance
+    risked = beliefs.weigh(chance, edges) if beliefs.chances or beliefs.alone else chance
     found = arrange(full.reduced(), wanted, tops, sized.supports, said, risked, removal_risk, apart)
     found = replace(found, verified=verify, chances=chance, notes=FrozenDict(notes))
     found = replace(found, called=SpokenNames(scene))
@@ -261,7 +261,7 @@ def check_masks(
 
 
 def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[str]:
-    """What a fixture keeps where it stands, all of it known; what never moves needs none.
+    """Refuse unknown names in a fixture; keep those of objects that can move.
 
     Args:
         scene: The scene.

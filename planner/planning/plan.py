@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.budget import bounded
+from topple.planner.budget import within_budget
 from topple.planner.decide.goal import Goal
 from topple.planner.errors import NoSafePlan
-from topple.planner.fallbacks import RELAXATIONS, selected
+from topple.planner.fallbacks import RELAXATIONS, select
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
@@ -41,7 +41,7 @@ UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
 
 @checked_arguments
-@bounded
+@within_budget
 def plan(
     scene: AnyScene,
     goal: str | Collection[str] | Task,
@@ -126,7 +126,7 @@ def plan(
     context = Context(
         Station(arm, pose, start), allow_drop=allow_drop, orderer=orderer, seed=seed,
         upright=check_known(upright, scene, scene.names), clamped=check_clamped(scene, clamped),
-        relaxations=selected(relaxations), grasps={} if grasps is None else own_grasps(grasps, scene, arm),
+        relaxations=select(relaxations), grasps={} if grasps is None else own_grasps(grasps, scene, arm),
     )  # fmt: skip
     planning = PlanBuilder(situation.with_level_undersides(), wanted, context, progress)
     planning.send_away(Destination.of(away))

@@ -135,7 +135,7 @@ def plan_schema() -> dict[str, Any]:
 
 
 def _faults(plan: Plan) -> Iterator[str]:
-    """What types cannot say: shapes, names of objects, words, and steps that refer to steps before them."""
+    """Find faults that types cannot exclude: in shapes, object names, words, references to other steps."""
     count, away = len(plan.joints), plan.away
     names = {thing.name for thing in plan.objects}
     known = f"its objects are {', '.join(sorted(names)) or 'nothing'}"

@@ -6,7 +6,7 @@ from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 from topple.topology.situation.situation import Situation
 
 
@@ -36,6 +36,6 @@ def check_start(situation: Situation, arm: Arm, pose_base_to_world: FloatArray, 
         worst = contacts[0]
         deep = 1e3 * max(-worst.distance, 0.0)
         raise InvalidInput(
-            f"the start is in collision: {worst.a} of {arm.name} is {rounded(deep)} mm deep in {worst.b}: "
+            f"the start is in collision: {worst.a} of {arm.name} is {decimal(deep)} mm deep in {worst.b}: "
             "move the arm (q_start) or its base (--base X Y Z YAW)"
         )

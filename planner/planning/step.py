@@ -139,7 +139,7 @@ class Chooser(Protocol):
     """Says in one situation what to do next for a goal."""
 
     def unmet(self) -> tuple[str, ...]:
-        """What is still missing for the goal, in words."""
+        """Say what is still missing for the goal."""
         ...
 
     def choose(self) -> NextStep | None:
@@ -165,7 +165,7 @@ class Task(Protocol):
         ...
 
     def goal(self, scene: Scene) -> Goal:
-        """What shall hold in the end.
+        """State the goal: what shall hold in the end.
 
         Args:
             scene: What is seen at the start.
@@ -176,7 +176,7 @@ class Task(Protocol):
         ...
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """What chooses the next step in a situation.
+        """Make the chooser of the next step in a situation.
 
         Args:
             situation: What is seen, or what should be there by now.

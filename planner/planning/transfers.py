@@ -11,7 +11,7 @@ from topple.planner.grasp.given import doable
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.away import Away
-from topple.planner.placement.drops import standing
+from topple.planner.placement.drops import try_standing
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
@@ -63,7 +63,7 @@ class Transfers:
         if away is not None:
             places = away.places(name, self.situation.with_completed(name), self.context.obstacles)
             if away.how is Away.ZONE:
-                places = standing(places, name, self.situation, away.bodies, self.context.sandbox)
+                places = try_standing(places, name, self.situation, away.bodies, self.context.sandbox)
             return self.to(name, places)
         find = partial(
             placements,
@@ -76,7 +76,7 @@ class Transfers:
         )
         places = find(avoid=[own, *wanted]) or find(avoid=wanted) or (find() if wanted else [])
         limits = MORE_HANDS if longer else TRANSFER_LIMITS
-        places = standing(places, name, self.situation, sandbox=self.context.sandbox)
+        places = try_standing(places, name, self.situation, sandbox=self.context.sandbox)
         return self.to(name, places, limits)
 
     def to(
@@ -97,14 +97,14 @@ class Transfers:
         if refused.reasons and not grasps:
             return no_grasp(name, refused, self.situation.scene)
         asked = TransferRequest(
-            places, grasps, context.avoid.get(name, ()), self.riding(name), name in context.upright,
+            places, grasps, context.avoid.get(name, ()), self.riders(name), name in context.upright,
             held=self._held, obstacles=context.obstacles, relaxations=context.relaxations,
         )  # fmt: skip
         transfer = partial(plan_transfer, name, self.situation, context.station, seed=context.seed)
         if context.observed:  # what is seen of it may be wrong: the best of all hands takes it
             return transfer(asked, limits=replace(limits, enough=float("inf")))
         beside = {} if context.away is None else context.obstacles
-        proof = Proof(name, self.situation, self.riding(name), beside, context.sandbox)
+        proof = Proof(name, self.situation, self.riders(name), beside, context.sandbox)
         found = transfer(replace(asked, holds=proof.holds), limits=limits)
         drop = context.allow_drop and Relaxation.LET_FALL in context.relaxations
         if isinstance(found, TransferFailure) and drop:
@@ -112,7 +112,7 @@ class Transfers:
             return found if isinstance(found, TransferFailure) else _as_drop(found, proof)
         return found
 
-    def explained(self, failure: TransferFailure) -> TransferFailure:
+    def explain(self, failure: TransferFailure) -> TransferFailure:
         """A failure for want of a place with its reason; any other as it is."""
         if NO_PLACE not in failure.reasons:
             return failure
@@ -120,7 +120,7 @@ class Transfers:
         why = shortage(name, self.situation.with_completed(name), station.arm, station.pose_base_to_world)
         return TransferFailure.no_place(name, why)
 
-    def barring(self, failure: TransferFailure) -> list[str]:
+    def barriers(self, failure: TransferFailure) -> list[str]:
         """Movable objects whose removal may help: those met in the search, and those beside.
 
         What reaches down least comes first: least may lean on it that was not seen to.
@@ -132,12 +132,12 @@ class Transfers:
         bottom = {name: round(float((scene.clouds[name] @ up).min()), 2) for name in near}
         return sorted(near, key=lambda name: (-bottom[name], name))
 
-    def riding(self, name: str) -> tuple[str, ...]:
-        """What lies in an object that is kept upright."""
+    def riders(self, name: str) -> tuple[str, ...]:
+        """Contents of an object that is kept upright."""
         return self.inside(name) if name in self.context.upright else ()
 
     def inside(self, name: str) -> tuple[str, ...]:
-        """What lies in an object."""
+        """Contents of an object."""
         between = self.situation.relations.between
         movable = self.situation.movable
         return tuple(n for n in movable if n != name and between(n, name).relation in INSIDE)
@@ -152,7 +152,7 @@ class Transfers:
         handling = Handling(name, self.situation, station, (), seed, self.context.obstacles)
         log = FailureLog(frozenset())
         most = found[: TRANSFER_LIMITS.grasps]
-        return list(handling.reached(handling.hands(most, station.q, log), True, log))
+        return list(handling.reach(handling.hands(most, station.q, log), True, log))
 
     def _refuse(self, name: str) -> TransferFailure:
         return TransferFailure(name, {self.context.given_up[name]: 1}, None)
@@ -173,7 +173,7 @@ def _as_drop(transfer: Transfer, proof: Proof) -> Transfer:
     place = transfer.placement
     if proof.holds(place):
         return transfer
-    words = f"{place.rest}: let go, {proof.settled(place)}"
+    words = f"{place.rest}: let go, {proof.settle(place)}"
     return replace(
         transfer,
         placement=replace(place, rest=words, falls=True),

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.fallbacks import RELAXATIONS, selected
+from topple.planner.fallbacks import RELAXATIONS, select
 from topple.planner.planning.follow import follow, next_step
 from topple.planner.planning.holding import SECOND, check_second, standing_by
 from topple.planner.planning.next_step import GoalTask
@@ -72,7 +72,7 @@ def plan_two_handed(
     """
     scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
     check_second(arm)
-    allowed = selected(relaxations)
+    allowed = select(relaxations)
     task = GoalTask.of(goal)
     wanted = task.goal(scene)
     check_up(scene)

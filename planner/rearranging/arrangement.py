@@ -9,16 +9,16 @@ import numpy as np
 from topple.planner.building.build import BuildOrder, build_order
 from topple.planner.building.standing import falling_in
 from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
-from topple.planner.rearranging.matching import Match, matched
+from topple.planner.rearranging.matching import Match, match_objects
 from topple.planner.rearranging.possible import check_possible
-from topple.planner.rearranging.registration import Registration, least, registered, remaining
-from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.registration import Registration, least, register, rest_of
+from topple.planner.rearranging.steady import brace
 from topple.planner.rearranging.tolerances import OTHER, SIZES
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.bodies.solids import up_of
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.load import AnyScene
 from topple.topology.scene.frame import in_frame
 from topple.topology.situation.situation import Situation
@@ -65,7 +65,7 @@ class Arrangement:
         Raises:
             InvalidInput: There are others, or more.
         """
-        return Arrangement(*matched(start, goal, up_of(start)))
+        return Arrangement(*match_objects(start, goal, up_of(start)))
 
     @cached_property
     def built(self) -> BuildOrder:
@@ -80,7 +80,7 @@ class Arrangement:
     def first_down(self) -> frozenset[tuple[str, str]]:
         """(a, b): a has to be down before b, so that b is not barred and stands."""
         pairs = ((e.first, e.then) for e in self.built.footings)
-        graph = steadied(self.situation.movable, pairs, falling_in(self.situation.statics))
+        graph = brace(self.situation.movable, pairs, falling_in(self.situation.statics))
         return frozenset(graph.edges)
 
     def check(self, start: Situation) -> None:
@@ -109,7 +109,7 @@ class Arrangement:
         for name in start.movable:
             found, clouds = self.fit(name, start), [each.scene.clouds[name] for each in (start, goal)]
             # along the axes of the frame: those of a square are any, and its diagonal is no edge
-            size, other = (np.ptp(each, axis=0) for each in (transformed(clouds[0], found.pose), clouds[1]))
+            size, other = (np.ptp(each, axis=0) for each in (move_points(clouds[0], found.pose), clouds[1]))
             longer = float(np.abs(size - other).max()) if whole else 0.0
             if max(longer - SIZES, found.residual - OTHER) > 0.0:
                 here, there = (" x ".join(f"{1e3 * each:.0f}" for each in edges) for edges in (size, other))
@@ -134,15 +134,15 @@ class Arrangement:
             return known[1]
         guess, up = None if known is None else known[1].pose, self.situation.up
         surface = situation.surfaces[name] @ situation.statics.upright.rotation
-        found = None if known is None else remaining(known[1], known[0], cloud)
+        found = None if known is None else rest_of(known[1], known[0], cloud)
         if found is None:
-            found = registered(cloud, self.situation.scene.clouds[name], up, guess)
+            found = register(cloud, self.situation.scene.clouds[name], up, guess)
         found = least(found, cloud, surface, up)
         self._fits[name] = cloud, found
         return found
 
     def goal(self, scene: "Scene") -> Goal:
-        """What shall hold in the end: what lies on and in what, and where everything is.
+        """State the goal: which objects lie on and in which, and where everything is.
 
         Args:
             scene: How things lie now.
@@ -162,7 +162,7 @@ class Arrangement:
         return Goal(text, places=places, poses=poses, assumptions=tuple(map(str, self.matches)))
 
     def _place(self, name: str) -> Place | None:
-        """What an object lies in, or rests on, in the goal."""
+        """Find the container or supporter of an object in the goal."""
         if name in self.pose_free:
             return self.pose_free[name]
         carrying = [each for each in self.situation.supports if each.supported == name]

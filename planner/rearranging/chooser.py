@@ -11,7 +11,7 @@ from topple.planner.decide.goal import Action, Goal, Place, holds
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import TransferFailure
 from topple.planner.fallbacks import Relaxation
-from topple.planner.placement.lowered import lowered
+from topple.planner.placement.lowered import lower
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import about
 from topple.planner.planning.next_step import StepChooser, no_room
@@ -19,7 +19,7 @@ from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import CHOICE
 from topple.planner.planning.transfers import Transfers
 from topple.planner.rearranging.arrangement import Arrangement
-from topple.planner.rearranging.moves import Moves, contracted, fewest_moves
+from topple.planner.rearranging.moves import Moves, contract, fewest_moves
 from topple.planner.rearranging.precedences import Precedences, precedences
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
 from topple.planner.rearranging.registration import Registration, turns
@@ -27,7 +27,7 @@ from topple.planner.rearranging.tolerances import MOST_LEARNED, RAISED, RISK_STE
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed, turned_to
+from topple.topology.geometry.rigid import move_points, turned_to
 from topple.topology.situation.situation import Situation
 
 Starting = Callable[[Move], Order]
@@ -68,7 +68,7 @@ class MoveChooser:
         self._failed: dict[Move, TransferFailure] = {}
 
     def unmet(self) -> tuple[str, ...]:
-        """What is not where it shall be, and what is not in or on what it shall be, in words."""
+        """Say which objects are not where, or not in or on what, they shall be."""
         told = (name for name in self._moving if name not in self._arrangement.pose_free)
         far = tuple(f"{name} is {_off(self._fits[name])}" for name in told)
         return (
@@ -121,12 +121,12 @@ class MoveChooser:
         return self._fits[name].stays
 
     def _precedences(self, taken: Order) -> Precedences:
-        """What has to happen before what."""
+        """Find which moves have to happen before which."""
         upright = self._situation.statics.upright.rotation
         surfaces = dict(self._situation.surfaces)
         for name in self._moving:
             pose = self._fits[name].pose
-            surfaces[name] = transformed(surfaces[name] @ upright, pose) @ upright.T
+            surfaces[name] = move_points(surfaces[name] @ upright, pose) @ upright.T
         staying = set(self._situation.movable) - set(self._moving)
         return precedences(self._situation, self._arrangement, taken, surfaces, staying)
 
@@ -136,10 +136,10 @@ class MoveChooser:
             return None
         found = self._to_goal(move.object) if move.to is To.GOAL else self._aside(move.object)
         if isinstance(found, TransferFailure):
-            self._failed[move] = self._transfers.explained(found)
+            self._failed[move] = self._transfers.explain(found)
             return None
         buffer = move.to is To.BUFFER
-        why = needed.told([move])[0]
+        why = needed.in_words([move])[0]
         said = "; ".join([why, *map(str, self._failed.values())])
         fallbacks = (Relaxation.ANOTHER_FIRST,) if self._failed else ()
         action = Action.REMOVE if buffer else Action.PLACE
@@ -150,7 +150,7 @@ class MoveChooser:
         if name in self._arrangement.pose_free:
             return self._into(self._arrangement.pose_free[name])
         pose, up = self._fits[name].pose, self._situation.up
-        place = lowered(name, self._situation, pose)
+        place = lower(name, self._situation, pose)
         raised = 0.0 if place is None else float(up @ (place.pose_at_rest(up) - pose)[:3, 3])
         # what is still to be moved carries nothing: it bars the place, however little it sticks in there
         if place is None or raised > RAISED or place.into in self._moving:
@@ -173,7 +173,7 @@ class MoveChooser:
         """A placement, and those that look the same as the object is turned onto itself."""
         up, upright = self._situation.up, self._situation.statics.upright.rotation
         pose = place.pose_before_to_after
-        there = transformed(self._situation.surfaces[name] @ upright, pose)
+        there = move_points(self._situation.surfaces[name] @ upright, pose)
         middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
         angles = turns(there, up)
         found: list[Placement] = []
@@ -190,12 +190,12 @@ class MoveChooser:
     def _there(self, name: str) -> FloatArray:
         """(N, 3) what is seen of an object, where it shall be [m]."""
         pose = self._fits[name].pose
-        return transformed(self._scene.clouds[name], pose)
+        return move_points(self._scene.clouds[name], pose)
 
     def _learned_more(self, problem: Problem) -> bool:
         """Take down what has to make room for a move that failed, where some order heeds it."""
         for move, failure in self._failed.items():
-            for other in dict.fromkeys((*failure.barring, *self._transfers.barring(failure))):
+            for other in dict.fromkeys((*failure.barring, *self._transfers.barriers(failure))):
                 if other not in (*problem.moving, *problem.staying) or other == move.object:
                     continue
                 pairs = self._precedences_of(move, failure, other, problem)
@@ -210,7 +210,7 @@ class MoveChooser:
     def _precedences_of(
         self, move: Move, failure: TransferFailure, other: str, problem: Problem
     ) -> frozenset[Pair]:
-        """What has to happen before a move whose hand or load another object is in the way of.
+        """Learn what has to happen before a move whose hand or load another object is in the way of.
 
         What is where it shall be, and makes room, comes back only when the room is no longer needed.
         """
@@ -236,7 +236,7 @@ def _as_moves(taken: Order, needed: Precedences, moves: Sequence[Move], first: M
     """An order as the moves that are made, what makes room among them, with one of them first."""
     moves = (first, *(move for move in moves if move != first))
     names = tuple(move.object for move in moves)
-    told = zip(names, needed.told(moves), strict=True)
+    told = zip(names, needed.in_words(moves), strict=True)
     said = tuple(f"{k}. {name}: {why}" for k, (name, why) in enumerate(told, start=1))
     return replace(taken, order=names, explanation=said)
 
@@ -249,7 +249,7 @@ def _risk_now(taken: Order, name: str) -> float:
 
 def _ready(problem: Problem, found: Moves) -> list[Move]:
     """The moves that wait for no other, in the order of a sequence."""
-    graph = contracted(problem, found.buffered)
+    graph = contract(problem, found.in_buffers)
     ready = {
         Move(name, To.BUFFER if kind == "take" else To.GOAL)
         for kind, name in graph

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from topple.planner.rearranging.registration import registered
+from topple.planner.rearranging.registration import register
 from topple.planner.rearranging.tolerances import NEARER, SIZES, UNLIKE
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
@@ -32,7 +32,7 @@ class Match:
         return f"{self.object} is taken to be {self.goal} of the goal: {1e3 * self.residual:.1f} mm apart"
 
 
-def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Match, ...]]:
+def match_objects(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Match, ...]]:
     """Match what moves in two scenes by shape, and name what is in the goal as at the start.
 
     Every thing is registered with every one of its size; of all one-to-one matches the one with the least
@@ -60,7 +60,7 @@ def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Mat
     for i, name in enumerate(here):
         for j, other in enumerate(there):
             if np.abs(_edges(start.clouds[name]) - _edges(goal.clouds[other])).max() < SIZES:
-                fit = registered(start.clouds[name], goal.clouds[other], up)
+                fit = register(start.clouds[name], goal.clouds[other], up)
                 residuals[i, j], costs[i, j] = fit.residual, fit.residual + NEARER * fit.way
     rows, columns = linear_sum_assignment(np.minimum(costs, 1.0))
     found = [Match(here[i], there[j], float(residuals[i, j])) for i, j in zip(rows, columns, strict=True)]

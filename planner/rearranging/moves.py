@@ -44,8 +44,8 @@ class Moves:
         return len(self.moves) <= self.bound
 
     @property
-    def buffered(self) -> tuple[str, ...]:
-        """What is put out of the way, in this order."""
+    def in_buffers(self) -> tuple[str, ...]:
+        """Objects put out of the way, in this order."""
         return tuple(move.object for move in self.moves if move.to is To.BUFFER)
 
 
@@ -110,7 +110,7 @@ class Buffers:
         return self._complete(frozenset())
 
     def _leave(self, first: Event, then: Event) -> None:
-        """What stays is moved after all where its leaving is waited for, or its return has to wait."""
+        """Move a staying object after all where its leaving is waited for, or its return has to wait."""
         for (act, name), waits, other in ((first, Act.TAKE, then[1]), (then, Act.PUT, first[1])):
             if act is waits and name in self._problem.staying and name != other:
                 entry = (self._at[name], 1.0)
@@ -192,8 +192,8 @@ Node = tuple[str, str]
 """A move, and of what: "take" to a buffer, "put" from there, or "move" straight to the goal."""
 
 
-def contracted(problem: Problem, chosen: Collection[str]) -> "nx.DiGraph[Node]":
-    """What must be done before what: what goes straight to its goal is one node, others are two.
+def contract(problem: Problem, chosen: Collection[str]) -> "nx.DiGraph[Node]":
+    """Order the events: an object that goes straight to its goal is one node, others are two.
 
     Args:
         problem: What is to be moved.
@@ -229,7 +229,7 @@ def sequence(problem: Problem, chosen: Collection[str], preference: Preference |
     Returns:
         The moves. What can go to its goal does, from a buffer first.
     """
-    graph = contracted(problem, chosen)
+    graph = contract(problem, chosen)
     left: dict[Node, int] = {node: graph.in_degree(node) for node in graph}
     moves: list[Move] = []
 

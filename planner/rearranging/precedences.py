@@ -13,7 +13,7 @@ from topple.planner.decide.dependency import Dependency, dependencies
 from topple.planner.decide.hold import Hold
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
-from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.steady import brace
 from topple.planner.rearranging.tolerances import NAMED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.base.arrays import FloatArray, bounds
@@ -69,7 +69,7 @@ class Precedences:
     places: tuple[OccupiedPlace, ...]
     holds: tuple[Hold, ...]
 
-    def told(self, moves: Iterable[Move]) -> list[str]:
+    def in_words(self, moves: Iterable[Move]) -> list[str]:
         """For each of some moves, the first to do first, where it goes and what waits for it, in words."""
         told: list[str] = []
         off, down = set[str](), set[str]()
@@ -121,7 +121,7 @@ def precedences(
     names = before.movable
     staying = tuple(name for name in names if name in staying)
     places = tuple(_places(before, surfaces, staying))
-    first_off = steadied(names, ((e.then, e.first) for e in removals), falling_in(before.sized.statics)).edges
+    first_off = brace(names, ((e.then, e.first) for e in removals), falling_in(before.sized.statics)).edges
     pairs: set[Pair] = {((Act.TAKE, b), (Act.TAKE, a)) for a, b in first_off}
     pairs |= {((Act.PUT, a), (Act.PUT, b)) for a, b in arrangement.first_down}
     pairs |= {((Act.TAKE, place.first), (Act.PUT, place.then)) for place in places}
@@ -158,7 +158,7 @@ def _direct(edges: Iterable[Dependency], over: Collection[str]) -> list[Dependen
 def _places(
     start: Situation, goal: Mapping[str, FloatArray], staying: Iterable[str]
 ) -> Iterable[OccupiedPlace]:
-    """What is in, over or under a place of the goal at the start: a straight way would meet it."""
+    """Find objects in, over or under a place of the goal at the start: a straight way would meet them."""
     kept = frozenset(staying)  # about whose places start and goal say all there is
     for first, then in permutations(start.movable, 2):
         here, there = start.surfaces[first], goal[then]

@@ -71,7 +71,7 @@ class Problem:
             raise InvalidInput(f"{', '.join(sorted(unknown))}: in a pair, but neither moving nor staying")
 
     def check(self, moves: Sequence[Move]) -> str | None:
-        """What is wrong with a sequence of moves, in words; None where it does what is asked.
+        """Say what is wrong with a sequence of moves; None where it does what is asked.
 
         Args:
             moves: First to do first.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from topple.planner.budget import bounded
+from topple.planner.budget import within_budget
 from topple.planner.decide.dependency import Dependency
 from topple.planner.decide.hold import Hold
 from topple.planner.planning.order import order
@@ -114,7 +114,7 @@ def rearrange(
 
 
 @checked_arguments
-@bounded
+@within_budget
 def rearrange(
     start: AnyScene | Situation,
     goal: AnyScene | Situation | Mapping[str, Any],
@@ -170,13 +170,13 @@ def rearrange(
 def _goal_of(goal: AnyScene | Situation | Mapping[str, Any], before: Situation, match: str) -> Arrangement:
     """How things shall lie, worked out where it is told."""
     if isinstance(goal, str):
-        from topple.planner.rearranging.words import described  # lets things go in simulation
+        from topple.planner.rearranging.words import arrange_by_words  # lets things go in simulation
 
-        return described(goal, before)
+        return arrange_by_words(goal, before)
     if isinstance(goal, Mapping):
-        from topple.planner.rearranging.related import related
+        from topple.planner.rearranging.related import arrange_by_relations
 
-        return related(goal, before)
+        return arrange_by_relations(goal, before)
     after = Situation.of(goal)
     return Arrangement(after) if match == "name" else Arrangement.alike(before.scene, after.scene)
 
@@ -191,7 +191,7 @@ def _fewest(before: Situation, arrangement: Arrangement) -> Rearrangement:
     told = map(str, arrangement.matches)
     held = [f"{' and '.join(g)} hold each other at the start: hold the others" for g in taken.groups]
     found = fewest_moves(needed.problem)
-    said = zip(found.moves, needed.told(found.moves), strict=True)
+    said = zip(found.moves, needed.in_words(found.moves), strict=True)
     return Rearrangement(
         moves=found.moves,
         bound=found.bound,

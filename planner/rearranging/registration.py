@@ -29,8 +29,8 @@ from topple.planner.rearranging.tolerances import (
 )
 from topple.planner.tolerances import DISTURBED, STEPS_ROUND, TURNED
 from topple.robots.poses import inverse
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
-from topple.topology.geometry.rigid import transformed, turned_to
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
+from topple.topology.geometry.rigid import move_points, turned_to
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree
 
@@ -52,7 +52,7 @@ class Registration:
     turn: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pose", frozen(self.pose))
+        object.__setattr__(self, "pose", freeze(self.pose))
 
     @property
     def stays(self) -> bool:
@@ -60,7 +60,7 @@ class Registration:
         return self.way < DISTURBED and self.turn < TURNED
 
 
-def registered(
+def register(
     start: FloatArray, goal: FloatArray, up: FloatArray, guess: FloatArray | None = None
 ) -> Registration:
     """Find the rigid motion that brings a cloud onto another of the same object.
@@ -83,10 +83,10 @@ def registered(
         return same
     a, b = (_few(voxel_means(cloud, SPACING)) for cloud in (start, goal))
     pair = _Pair(a, b, up)
-    if guess is not None and (near := pair.settled(guess)).residual < pair.spacing:
+    if guess is not None and (near := pair.settle(guess)).residual < pair.spacing:
         return near
-    starts = sorted((pair.shifted(pose, 2) for pose in pair.attempts()), key=pair.distance)[:KEPT]
-    found = [pair.settled(pose) for pose in starts]
+    starts = sorted((pair.shift(pose, 2) for pose in pair.attempts()), key=pair.distance)[:KEPT]
+    found = [pair.settle(pose) for pose in starts]
     found = _as_well(found, ALIKE)  # a block fits upside down too, by noise even better
     level = [each for each in found if _tilt(each.pose, up) < LEVEL]
     return min(_as_well(level or found, AS_WELL), key=lambda each: each.turn)
@@ -122,14 +122,14 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
         surface: (M, 3) points of all of it, hidden sides too [m].
         up: (3,) unit vector.
     """
-    there = transformed(surface, fit.pose)
+    there = move_points(surface, fit.pose)
     middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
     alike = (turned_to(about(up, angle), middle, middle) @ fit.pose for angle in turns(there, up))
     return min((_result(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
 
 
-def remaining(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
-    """What is left of a motion for an object that was moved meanwhile; None where it was seen anew since.
+def rest_of(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
+    """Compute the rest of a motion for an object moved meanwhile; None where it was seen anew since.
 
     Args:
         known: The motion.
@@ -145,7 +145,7 @@ def _point_by_point(start: FloatArray, goal: FloatArray) -> Registration | None:
     if start.shape != goal.shape or len(start) < 3:
         return None
     pose = _rigid(start, goal)
-    left = float(np.linalg.norm(transformed(start, pose) - goal, axis=1).max())
+    left = float(np.linalg.norm(move_points(start, pose) - goal, axis=1).max())
     return _result(pose, start, left) if left < ALIKE else None
 
 
@@ -166,7 +166,7 @@ def _rigid(a: FloatArray, b: FloatArray) -> FloatArray:
 def _result(pose: FloatArray, start: FloatArray, residual: float) -> Registration:
     middle = (start.min(axis=0) + start.max(axis=0)) / 2.0
     turn = float(Rotation.from_matrix(pose[:3, :3]).magnitude())
-    return Registration(pose, residual, float(np.linalg.norm(transformed(middle, pose) - middle)), turn)
+    return Registration(pose, residual, float(np.linalg.norm(move_points(middle, pose) - middle)), turn)
 
 
 def _as_well(fits: Sequence[Registration], by: float) -> list[Registration]:
@@ -207,7 +207,7 @@ class _Pair:
 
     def _match(self, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points of the first cloud and those of the second that they are next to, from either side."""
-        there, nearest = self._near_b.query(transformed(self._a, pose))
+        there, nearest = self._near_b.query(move_points(self._a, pose))
         back, own = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])
         here, over = _near(there), _near(back)
         a = np.vstack([self._a[here], self._a[own[over]]])
@@ -215,17 +215,17 @@ class _Pair:
 
     def distance(self, pose: FloatArray) -> float:
         """Mean way from a point of either cloud to the nearest of the other, none counted as too far [m]."""
-        there = self._near_b.query(transformed(self._a, pose))[0]
+        there = self._near_b.query(move_points(self._a, pose))[0]
         back = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])[0]
         return float(np.minimum(np.concatenate([there, back]), FAR).mean())
 
-    def settled(self, pose: FloatArray) -> Registration:
+    def settle(self, pose: FloatArray) -> Registration:
         """Where a motion settles; level where it tilts little."""
         pose = self._refine(pose, level=False)
         if _tilt(pose, self._up) < LEVEL:
             middle = self._a.mean(axis=0)
             pose = self._best_heading(
-                self._refine(self._level(pose[:3, :3], middle, transformed(middle, pose)), True)
+                self._refine(self._level(pose[:3, :3], middle, move_points(middle, pose)), True)
             )
         return _result(pose, self._a, self.distance(pose))
 
@@ -235,23 +235,21 @@ class _Pair:
         A mug's handle is a twelfth of its points; matched one by one the others keep it where it is. What was
         seen of it has its middle beside the axis: a turn about that is followed by a shift, in turns.
         """
-        pose, best = self.shifted(pose), np.inf
+        pose, best = self.shift(pose), np.inf
         while (left := self.distance(pose)) < best - ALIKE / 10.0:
             best = left
             for steps in (COARSELY, FINELY):
-                middle = transformed(self._a.mean(axis=0), pose)
+                middle = move_points(self._a.mean(axis=0), pose)
                 turned = [turned_to(about(self._up, angle), middle, middle) @ pose for angle in steps]
-                pose = min(
-                    [pose, *map(self.shifted, sorted(turned, key=self.distance)[:2])], key=self.distance
-                )
+                pose = min([pose, *map(self.shift, sorted(turned, key=self.distance)[:2])], key=self.distance)
         return pose
 
-    def shifted(self, pose: FloatArray, rounds: int = 5) -> FloatArray:
+    def shift(self, pose: FloatArray, rounds: int = 5) -> FloatArray:
         """A motion moved along, unturned, to where it fits best nearby."""
         for _ in range(rounds):
             a, b = self._match(pose)
             pose = pose.copy()
-            pose[:3, 3] += (b - transformed(a, pose)).mean(axis=0)
+            pose[:3, 3] += (b - move_points(a, pose)).mean(axis=0)
         return pose
 
     def _refine(self, pose: FloatArray, level: bool) -> FloatArray:

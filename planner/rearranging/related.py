@@ -22,7 +22,7 @@ Pairs = Mapping[tuple[str, str], Relation]
 """What pairs are told, each once and so that nothing contains: (a, b) -> "a relation b"."""
 
 
-def related(document: Mapping[str, Any], situation: Situation) -> Arrangement:
+def arrange_by_relations(document: Mapping[str, Any], situation: Situation) -> Arrangement:
     """Work out an arrangement that has the relations of a document, with as little moved as they ask for.
 
     What shall be in another thing is put there; what shall touch others goes onto the one over which the way

@@ -7,7 +7,7 @@ import networkx as nx
 from topple.planner.building.prefixes import Falling, Names
 
 
-def steadied(names: Iterable[str], below: Iterable[tuple[str, str]], falling: Falling) -> "nx.DiGraph[str]":
+def brace(names: Iterable[str], below: Iterable[tuple[str, str]], falling: Falling) -> "nx.DiGraph[str]":
     """Add to what must be down before what, until each thing stands on what is before it.
 
     Args:

@@ -59,7 +59,7 @@ class ArrangementTask:
         return ArrangementTask(self.arrangement.in_frame(pose, up))
 
     def goal(self, scene: Scene) -> Goal:
-        """What shall hold in the end.
+        """State the goal: what shall hold in the end.
 
         Args:
             scene: What is seen at the start.
@@ -71,7 +71,7 @@ class ArrangementTask:
         return self.arrangement.goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """What chooses the next move; see `topple.planner.planning.step.Task`."""
+        """Make the chooser of the next move; see `topple.planner.planning.step.Task`."""
         done = context.done
         return MoveChooser(
             situation, goal, context, self.arrangement,
@@ -94,7 +94,7 @@ class _LazyTask(ABC):
         return self if self._made is None else self._made.in_frame(pose, up)
 
     def goal(self, scene: Scene) -> Goal:
-        """What shall hold in the end.
+        """State the goal: what shall hold in the end.
 
         Args:
             scene: What is seen at the start.
@@ -107,7 +107,7 @@ class _LazyTask(ABC):
         return self._worked_out(scene).goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """What chooses the next move; see `topple.planner.planning.step.Task`."""
+        """Make the chooser of the next move; see `topple.planner.planning.step.Task`."""
         return self._worked_out(situation.scene).chooser(situation, goal, context)
 
     def _worked_out(self, scene: Scene) -> ArrangementTask:
@@ -118,7 +118,7 @@ class _LazyTask(ABC):
 
 @checked_arguments
 class DescribedTask(_LazyTask):
-    """The task to make things lie as words say: see `topple.planner.rearranging.words.described`.
+    """The task to make things lie as words say: see `topple.planner.rearranging.words.arrange_by_words`.
 
     Args:
         words: As "plate on table, bowl on plate, spoon left of plate".
@@ -134,14 +134,14 @@ class DescribedTask(_LazyTask):
 
     def arrangement(self, scene: Scene) -> Arrangement:
         """The words worked out."""
-        from topple.planner.rearranging.words import described  # lets things go in simulation
+        from topple.planner.rearranging.words import arrange_by_words  # lets things go in simulation
 
-        return described(self.words, Situation.of(scene))
+        return arrange_by_words(self.words, Situation.of(scene))
 
 
 @checked_arguments
 class RelatedTask(_LazyTask):
-    """The task to give things the relations of a document: see `topple.planner.rearranging.related.related`.
+    """Give things the relations of a document: see `topple.planner.rearranging.related.arrange_by_relations`.
 
     Args:
         document: What `topple relate --json` prints, of this scene or another one of the same things.
@@ -157,9 +157,9 @@ class RelatedTask(_LazyTask):
 
     def arrangement(self, scene: Scene) -> Arrangement:
         """The relations worked out."""
-        from topple.planner.rearranging.related import related  # lets things go in simulation
+        from topple.planner.rearranging.related import arrange_by_relations  # lets things go in simulation
 
-        return related(self.document, Situation.of(scene))
+        return arrange_by_relations(self.document, Situation.of(scene))
 
 
 @checked_arguments

@@ -9,7 +9,7 @@ import numpy as np
 
 from topple.planner.decide.goal import Place, PlaceRelation, clauses_in, holds, parse_goal
 from topple.planner.errors import NoSafePlan
-from topple.planner.placement.lowered import lowered
+from topple.planner.placement.lowered import lower
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
 from topple.planner.placement.resting import about, resting_poses
@@ -52,7 +52,7 @@ class Beside:
     where: str
 
 
-def described(words: str, situation: Situation) -> Arrangement:
+def arrange_by_words(words: str, situation: Situation) -> Arrangement:
     """Work out an arrangement that words describe, with as little moved as they ask for.
 
     What already lies as it is told to stays; what is not named stays too, unless it is where something else
@@ -172,7 +172,7 @@ class _Laying:
         return found.without(*(name for name in waiting if name != but and name not in self._poses))
 
     def _makes_room(self, clause: Beside, clauses: Sequence[Place | Beside], there: Situation) -> list[str]:
-        """What is not named, and may have to go where something shall lie beside another thing."""
+        """List objects that are not named, and may have to go where one shall lie beside another."""
         named = {name for each in clauses for name in (each.object, each.where)}
         carrying = {each.supporter for each in self._start.supports if each.supported == clause.where}
         return [name for name in there.movable if name not in named | carrying]
@@ -190,7 +190,7 @@ class _Laying:
         if clause.where in there.scene.fixed and clause.how is PlaceRelation.ON:
             return placements(clause.object, there, limit=CHOICE)
         found = placements_on(clause.object, there, clause.where, clause.how, limit=CHOICE)
-        down = (lowered(clause.object, there, place.pose_at_rest(self._up)) for place in found)
+        down = (lower(clause.object, there, place.pose_at_rest(self._up)) for place in found)
         return [place for place in down if place is not None and place.into == clause.where]
 
     def _beside(self, clause: Beside, there: Situation) -> list[Placement]:
@@ -209,7 +209,7 @@ class _Laying:
             pose[:3, :3] = about(up, 2.0 * np.pi * k / HEADINGS) @ rest.rotation
             pose[:3, 3] = middle - (turned.min(axis=0) + turned.max(axis=0)) / 2.0
             pose[:3, 3] += (edge + BESIDE - float((turned @ out).min()) - pose[:3, 3] @ out) * out
-            place = lowered(clause.object, there, pose)
+            place = lower(clause.object, there, pose)
             if place is not None and place.into is None:
                 found.append(replace(place, score=-float(np.ptp(turned @ out))))
         return sorted(found, key=lambda place: -place.score)

@@ -67,7 +67,7 @@ def check_picture(scene: Scene, found: Document) -> bytes:
 
 
 def _sentence(found: Document) -> str:
-    """What becomes of an object, and what it withstands."""
+    """Say how an object stands, and which disturbances it withstands."""
     margins = found.get("margins")
     if not margins:
         return found["sentence"]

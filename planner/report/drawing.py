@@ -12,7 +12,7 @@ from topple.planner.decide.names import Colour, paints_of, photo_of
 from topple.planner.decide.words import because, places, said
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import FIXED_COLOUR, css, ink_on, object_colours, relation_colour
-from topple.robots.collision.convex import hull_of, reduced
+from topple.robots.collision.convex import hull_of, reduce_hull
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.bodies.surfaces import whole_surfaces
 from topple.topology.geometry.thin import voxel_means
@@ -123,7 +123,7 @@ def view_data(
     tool_path: FloatArray | None = None,
     motion: Document | None = None,
 ) -> dict[str, Any]:
-    """What the viewer script reads of a drawing, ready for JSON.
+    """Collect a drawing's data for the viewer script, ready for JSON.
 
     The path has shape (k, 3) [m]; the motion is what `played.motion_json` gave.
     """
@@ -225,7 +225,7 @@ def _spacing_and_normals(points: FloatArray) -> tuple[float, FloatArray]:
 
 def outline(points: FloatArray) -> tuple[FloatArray, IntArray]:
     """The hull of points, few enough corners to look at: (V, 3) [m] and triangles (F, 3)."""
-    return hull_of(reduced(hull_of(points)[0], LIMITS.finest)[0])
+    return hull_of(reduce_hull(hull_of(points)[0], LIMITS.finest)[0])
 
 
 def _up(scene: Scene) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from topple.planner.decide.names import Colour, spoken
-from topple.planner.decide.words import order_in_words, order_rows, ordinal, shortened
+from topple.planner.decide.words import order_in_words, order_rows, ordinal, shorten
 from topple.planner.formats.pictures import png
 from topple.planner.report.drawing import Document, Documented, Drawing, DrawnObject, document, view_data
 from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_head
@@ -250,7 +250,7 @@ def _draw_names(pen: _Pen, projection: Projection, drawing: Drawing, places: lis
         drawn = drawing.objects[number]
         if drawn.fixed or not np.isfinite(depth[number]):
             continue
-        place, name = places[number] if places else 0, shortened(drawn.name)
+        place, name = places[number] if places else 0, shorten(drawn.name)
         badge = max(18.0, _width(ordinal(place), 12) + 10) if place else 4.0
         width = badge + _width(name, 12) + 10
         left, low = float(at[number, 0]) - width / 2, float(at[number, 1])
@@ -272,28 +272,28 @@ def _graph(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
     pen = _Pen(SIDE, round(56 + graph.height * shrink))
     pen.text(16, 26, "Dependency graph: an arrow from a to b says a goes before b", colour=SOFT)
 
-    def placed(point: Point) -> Point:
+    def shrunk_point(point: Point) -> Point:
         return 16 + point[0] * shrink, 46 + point[1] * shrink
 
     for edge, route in graph.routes.items():
-        colour, points = reason_colour(graph.reasons[edge][0]), [placed(point) for point in route]
+        colour, points = reason_colour(graph.reasons[edge][0]), [shrunk_point(point) for point in route]
         pen.line(points, colour, 1.6, dashed=graph.confidence[edge] < 0.5)
         pen.polygon(arrow_head(points, 8 * shrink), colour)
     size = max(7.0, 11 * shrink)  # smaller letters cannot be read
     for edge, centre in graph.labels.items():
-        (x, y), text = placed(centre), graph.label(edge)
+        (x, y), text = shrunk_point(centre), graph.label(edge)
         half = _width(text, size) / 2 + 2
         pen.box(x - half, y - size / 2, x + half, y + size / 2, PAPER)
         pen.text(x, y, text, size=size, colour=reason_colour(graph.reasons[edge][0]), anchor="mm")
     size, badge, colours = max(7.0, 12 * shrink), BADGE * shrink, drawing.colours
     for name, (across, down, width) in graph.boxes.items():
-        (x, y), half, high = placed((across, down)), width / 2 * shrink, HIGH / 2 * shrink
+        (x, y), half, high = shrunk_point((across, down)), width / 2 * shrink, HIGH / 2 * shrink
         pen.box(x - half, y - high, x + half, y + high, PAPER, INK if name in graph.targets else LINE)
         pen.box(x - half, y - high, x - half + badge, y + high, paint := colours.get(name, FIXED_COLOUR))
         if name in graph.places:
             place = ordinal(graph.places[name])
             pen.text(x - half + badge / 2, y, place, size=size, colour=ink_on(paint), anchor="mm")
-        pen.text(x + badge / 2, y, shortened(name), size=size, anchor="mm")
+        pen.text(x + badge / 2, y, shorten(name), size=size, anchor="mm")
     return pen.image
 
 
@@ -301,7 +301,7 @@ def _order(drawing: Drawing, order: Document) -> "Image.Image":
     """The order in words, and what has none."""
     lines: list[tuple[Colour | None, str]] = []
     for place, name, why, _ in order_rows(order):
-        lines.append((drawing.colours.get(name, FIXED_COLOUR), f"{place}. {shortened(name)}: {why}"))
+        lines.append((drawing.colours.get(name, FIXED_COLOUR), f"{place}. {shorten(name)}: {why}"))
     for cycle in order.get("unresolved", ()):
         names = cycle if isinstance(cycle, str) else ", ".join(str(name) for name in cycle)
         lines.append((None, f"No safe order among {names}."))

@@ -11,7 +11,7 @@ import networkx as nx
 import numpy as np
 
 from topple.planner.decide.names import Colour, spoken
-from topple.planner.decide.words import WORDS, because, ordinal, places, said, shortened
+from topple.planner.decide.words import WORDS, because, ordinal, places, said, shorten
 from topple.planner.report.html import key
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import (
@@ -164,7 +164,7 @@ def _place_parts(
     routes: dict[Edge, list[Point]] = {}
     left, top, low, before = MARGIN, MARGIN, MARGIN, 0
     for part in parts:
-        wide = {name: len(shortened(name)) * LETTER + BADGE + 18.0 for name in part}
+        wide = {name: len(shorten(name)) * LETTER + BADGE + 18.0 for name in part}
         at, lines = _part(graph.subgraph(part), rank, wide)
         right = max(at[name][0] + wide[name] / 2 for name in part)
         right = max([right, *(x for line in lines.values() for x, _ in line)])
@@ -311,7 +311,7 @@ def _box(graph: DrawnGraph, name: str, paint: Colour, index: Mapping[str, int]) 
         f'<rect class="box" x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{HIGH:.0f}"/>'
         f'<rect x="{left:.1f}" y="{top:.1f}" width="{BADGE:.0f}" height="{HIGH:.0f}" fill="{css(paint)}"/>'
         f'<text class="place" style="fill:{ink}" x="{left + BADGE / 2:.1f}" y="{y + 4.5:.1f}">{place}</text>'
-        f'<text x="{x + BADGE / 2:.1f}" y="{y + 4.5:.1f}">{escape(shortened(name))}</text></g>'
+        f'<text x="{x + BADGE / 2:.1f}" y="{y + 4.5:.1f}">{escape(shorten(name))}</text></g>'
     )
 
 

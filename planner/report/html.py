@@ -87,7 +87,7 @@ def beside(left: str, right: str) -> str:
 
 
 def glance(photo: str, words: str, graph: str) -> str:
-    """What is read first: photo and words beside the graph; nothing where there is none of them."""
+    """Lay out the top of a page: photo and words beside the graph; nothing where there is none of them."""
     return beside(photo + words, graph) if photo or words or graph else ""
 
 
@@ -112,7 +112,7 @@ def plain_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return table(headings, "".join(f"<tr>{row}</tr>" for row in cells))
 
 
-def folded(summary: str, html: str) -> str:
+def fold(summary: str, html: str) -> str:
     """A part that opens on demand."""
     return f"<details><summary>{summary}</summary>{html}</details>"
 
@@ -128,7 +128,7 @@ def key(colour: Colour, word: str) -> str:
 
 
 def legend(view: View) -> Mapping[str, Colour]:
-    """What the colours of its lines stand for."""
+    """Key to the colours of the lines of a view."""
     relations = {str(name): colour for name, colour in RELATION_COLOURS.items() if name != "disjoint"}
     return view.get("keys", relations)
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.planner.decide.names import renamed, spoken
+from topple.planner.decide.names import rename, spoken
 from topple.planner.report.drawing import Drawing, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
 from topple.planner.report.html import columns, page, view_page
@@ -14,7 +14,7 @@ from topple.planner.report.palette import object_colours
 from topple.planner.report.plan_page import order_of, step_list
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import order_list, relation_table, sentence_list
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -45,16 +45,16 @@ def relations_cell(relations: "Relations") -> str:
 
 def order_cell(order: "Order") -> str:
     """The dependency graph, and the order with its reasons; an order has no clouds to show."""
-    found, names = renamed((order.to_json(), order.graph.names), order.called)
+    found, names = rename((order.to_json(), order.graph.names), order.called)
     graph = graph_box(DrawnGraph.of(names, found, row=560.0), object_colours(names), {})
     words = order_list(found, {}) + sentence_list(order.assumptions, "Assumptions")
     return _frame(page("Order", columns(graph, words), {}, (), compact=True), LOW)
 
 
 def plan_cell(plan: "Plan") -> str:
-    """What the plan took the objects for, the way of the tool, and its steps."""
+    """Show a plan in a notebook: the bodies it assumed, the way of the tool, and its steps."""
     clouds = {
-        thing.name: sampled([np.asarray(part) for part in thing.whole or thing.parts], LIMITS.parts)
+        thing.name: sample([np.asarray(part) for part in thing.whole or thing.parts], LIMITS.parts)
         for thing in plan.objects
     }
     lead = _lead("; ".join(plan.heading()))

@@ -11,7 +11,7 @@ from PIL import Image
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from topple.planner.decide.names import Colour, photo_of
-from topple.planner.decide.words import ordinal, places, shortened
+from topple.planner.decide.words import ordinal, places, shorten
 from topple.planner.formats.pictures import Pixels, jpeg, png
 from topple.planner.report.drawing import Document, Drawing
 from topple.planner.report.palette import css, ink_on
@@ -55,7 +55,7 @@ def photo_figure(image: str, over: str, words: str, slider: str = "") -> str:
 
 
 def said_of_masks(scene: Scene, order: Document | None) -> str:
-    """What the colours and numbers on a photo are, and which masks are wrong."""
+    """Explain the colours and numbers on a photo, and say which masks are wrong."""
     told = ", and before it the place in the order" if order and places(order) else ""
     said = "".join(f" Wide outline: {escape(str(wrong))}." for wrong in scene.wrong_masks)
     return f"What the camera saw: a colour for each mask, its name{told}.{said}"
@@ -144,5 +144,5 @@ def _chip(name: str, colour: Colour, number: int, place: int | None, at: tuple[f
     edge = f"left:{at[0]:.1f}%;top:{at[1]:.1f}%;border-color:{css(colour)}"
     return (
         f'<span class="chip" data-object="{number}" style="{edge}" title="{escape(name)}">{badge}'
-        f"<span>{escape(shortened(name))}</span></span>"
+        f"<span>{escape(shorten(name))}</span></span>"
     )

@@ -7,14 +7,14 @@ import numpy as np
 from msgspec import to_builtins
 
 from topple.planner.decide.names import spoken
-from topple.planner.decide.words import TARGET, UNTIED, counted, millimetres, order_rows, sentence
+from topple.planner.decide.words import TARGET, UNTIED, millimetres, number_of, order_rows, sentence
 from topple.planner.formats.arm_motion import ArmMotion
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
 from topple.planner.placement.away import BODIES
 from topple.planner.planning.plan_format import Plan
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
-from topple.planner.report.html import Span, bullets, folded, glance, plain_table, view_page
+from topple.planner.report.html import Span, bullets, fold, glance, plain_table, view_page
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
@@ -25,7 +25,7 @@ from topple.planner.verify.verification import Verification
 from topple.robots.arm.arm import Arm
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene.scene import Scene
 
@@ -74,7 +74,7 @@ def plan_page(
     for thing in plan.objects:
         if thing.name in BODIES.values():  # stood there for the plan: cameras saw none of it
             parts = [np.array(part) for part in thing.parts]
-            drawing = drawing.beside(thing.name, sampled(parts, LIMITS.parts))
+            drawing = drawing.beside(thing.name, sample(parts, LIMITS.parts))
     shape, motion, order, bands, told = arm_shape(arm), plan_motion(plan, arm), order_of(plan), [], None
     if motion is not None:
         ends = [float(motion.times[last]) for last in motion.ends]
@@ -85,7 +85,7 @@ def plan_page(
     steps = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}"
     top = _head(plan, bands, refuted=verification is not None and not verification.ok)
     top += glance(photo(scene, drawing, order), steps, dependency_section(scene, drawing, order))
-    right = _check_words(verification) + folded("Relations", relation_table(found, drawing.index))
+    right = _check_words(verification) + fold("Relations", relation_table(found, drawing.index))
     right += sentence_list(list(dict.fromkeys(plan.assumptions)), "Assumptions")
     view = view_data(drawing, found, order, None, told)
     return view_page(f"topple: plan to {plan.goal}", top, view, ("", right), arm=shape)
@@ -111,7 +111,7 @@ def _head(plan: Plan, bands: Sequence[Span], *, refuted: bool) -> str:
     x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
     where = "searched" if plan.base_searched else "given"
     facts = [
-        counted(len(plan.steps), "step"),
+        number_of(len(plan.steps), "step"),
         f"{plan.seconds:.1f} s of motion" + (f", {bands[-1][2]:.1f} s with the hand's" if bands else ""),
         f"{'every' if plan.certified else 'not every'} motion certified",
         f"{plan.robot} at {x:.2f} {y:.2f} {z:.2f} m (base {where})",
@@ -131,7 +131,7 @@ def _head(plan: Plan, bands: Sequence[Span], *, refuted: bool) -> str:
 
 
 def _check_words(found: Verification | None) -> str:
-    """What its own check by other means found."""
+    """Sum up the plan's own check by other means."""
     if found is None:
         return ""
     count = len(found.residuals)
@@ -142,12 +142,12 @@ def _check_words(found: Verification | None) -> str:
         html = f'<p class="bad">{len(found.failed)} of {count} checks failed.</p>' + bullets(
             [f"{bad.name}: {bad.value:.2g} {bad.unit}, {bad.witness}" for bad in found.failed]
         )
-    shown = folded("What is shown by which means", plain_table(("what", "by", "steps"), proof_rows(found)))
+    shown = fold("What is shown by which means", plain_table(("what", "by", "steps"), proof_rows(found)))
     return f"<h2>Verification</h2>{html}{shown}"
 
 
 def order_of(plan: Plan) -> Document:
-    """What an order's document would say of a plan."""
+    """Make an order's document of a plan."""
     targets = [step.object for step in plan.steps if step.action != "remove"]
     return {"order": plan.order, "targets": targets, "dependencies": to_builtins(plan.dependencies)}
 

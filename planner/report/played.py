@@ -76,7 +76,7 @@ def motion_json(
 
 
 def spans(motion: ArmMotion) -> list[Span]:
-    """What the arm does one after the other: the word for it, from when and until when [s]."""
+    """Split a motion into its successive activities: the word for each, from when and until when [s]."""
     runs = [list(run) for _, run in groupby(range(len(motion.times)), key=motion.kinds.__getitem__)]
     ends = [0.0, *(round(float(motion.times[run[-1]]), 3) for run in runs)]
     return [(motion.kinds[run[0]], *span) for run, span in zip(runs, pairwise(ends), strict=True)]

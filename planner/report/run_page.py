@@ -6,11 +6,11 @@ from html import escape
 from typing import Any
 
 from topple.planner.decide.names import photo_of, spoken
-from topple.planner.decide.words import counted, millimetres, sentence
+from topple.planner.decide.words import millimetres, number_of, sentence
 from topple.planner.formats.pictures import picture, pixels_of
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, view_data
-from topple.planner.report.html import bullets, folded, glance, page, plain_table, table, viewer
+from topple.planner.report.html import bullets, fold, glance, page, plain_table, table, viewer
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.photo import Box, around, cut, jpeg_url, masks, photo_figure, said_of_masks
 from topple.planner.report.played import arm_shape, motion_json
@@ -73,10 +73,10 @@ class _RunPage:
         html += f"<p>{escape(sentence(step.reason))}</p>" if step.reason else ""
         html += bullets([sentence(text) for text in step.events])
         drawing = None if step.scene is None else Drawing.of(step.scene, self.points, step.photo)
-        words, graph = self.ordered(drawing, step)
+        words, graph = self.order_html(drawing, step)
         done = _facts(step) + _disturbance_words(step) + _predictions(step)
-        html += glance(self.photographed(step, drawing), words, graph + done)
-        html += self.seen(drawing, step, "Seen before this step, and what the arm did")
+        html += glance(self.photos_of(step, drawing), words, graph + done)
+        html += self.view_html(drawing, step, "Seen before this step, and what the arm did")
         return f'<section class="step">{html}</section>'
 
     def end(self) -> str:
@@ -88,20 +88,20 @@ class _RunPage:
         drawing = None if record.scene is None else Drawing.of(record.scene, self.points)
         last = record.steps[-1].picture_after if record.steps else None
         looks = (last, "at the end"), (record.wanted, "as wanted")
-        html += glance(self.compared(around((), ()), looks), *self.ordered(drawing, record))
-        html += self.seen(drawing, record, "Seen at the end")
+        html += glance(self.compare(around((), ()), looks), *self.order_html(drawing, record))
+        html += self.view_html(drawing, record, "Seen at the end")
         return f'<section class="step">{html}</section>'
 
-    def photographed(self, step: StepRecord, drawing: Drawing | None) -> str:
-        """What a camera saw before, its masks outlined, and after."""
+    def photos_of(self, step: StepRecord, drawing: Drawing | None) -> str:
+        """Pictures of a camera before, masks outlined, and after."""
         shown, before, marks, words = _photo_of(step), step.picture_before, "", ""
         if drawing is not None and step.scene is not None and shown is not None:
             marks = masks(shown, self.box, step.scene, drawing, step.order)
             words = said_of_masks(step.scene, step.order)
             before = before or picture(shown.rgb)
-        return self.compared(self.box, ((before, "before"), (step.picture_after, "after")), marks, words)
+        return self.compare(self.box, ((before, "before"), (step.picture_after, "after")), marks, words)
 
-    def compared(self, box: Box, looks: Sequence[Look], marks: str = "", words: str = "") -> str:
+    def compare(self, box: Box, looks: Sequence[Look], marks: str = "", words: str = "") -> str:
         """The same part of two pictures of one camera, one over the other, and a slider between them."""
         shown = [(data, word) for data, word in looks if data and self.photos]
         images = []
@@ -117,14 +117,14 @@ class _RunPage:
         )
         return photo_figure(images[0], marks + "".join(images[1:]), words, slider if len(images) > 1 else "")
 
-    def ordered(self, drawing: Drawing | None, moment: StepRecord | RunRecord) -> tuple[str, str]:
+    def order_html(self, drawing: Drawing | None, moment: StepRecord | RunRecord) -> tuple[str, str]:
         """The order from a moment on, and its graph."""
         if moment.scene is None or drawing is None or moment.order is None:
             return "", ""
         words = "<h2>Order from here</h2>" + order_list(with_look(moment.scene, moment.order), drawing.index)
         return words, dependency_section(moment.scene, drawing, moment.order)
 
-    def seen(self, drawing: Drawing | None, moment: StepRecord | RunRecord, title: str) -> str:
+    def view_html(self, drawing: Drawing | None, moment: StepRecord | RunRecord, title: str) -> str:
         """View and relations of one moment."""
         relations, order = moment.relations, moment.order
         if drawing is None:
@@ -134,7 +134,7 @@ class _RunPage:
         told = None if motion is None else motion_json(motion, self.arm, drawing.index, drawing.centre)
         self.views.append(view_data(drawing, relations or {}, order, path, told))
         html = f"<h2>{escape(title)}</h2>{viewer(len(self.views) - 1, self.views[-1])}"
-        told = "" if relations is None else folded("Relations", relation_table(relations, drawing.index))
+        told = "" if relations is None else fold("Relations", relation_table(relations, drawing.index))
         return html + told
 
 
@@ -144,7 +144,7 @@ def _photo_of(step: StepRecord) -> Photo | None:
 
 
 def _disturbed_by(step: StepRecord) -> list[str]:
-    """What moved, turned or was hit by more than what is not handled may be, farthest first."""
+    """Objects that moved, turned or were hit more than those not handled may be, farthest first."""
     far = {name: (0.0, 0.0) for name in step.forces} | dict(step.disturbed)
     much = [
         name
@@ -163,7 +163,7 @@ def _turns(title: str) -> str:
 
 def _head(record: RunRecord) -> str:
     facts = [
-        f"{record.goal}: {counted(len(record.steps), 'step')}",
+        f"{record.goal}: {number_of(len(record.steps), 'step')}",
         f"robot {record.robot}, seed {record.seed}",
         *([f"{record.seconds:.1f} s"] if record.seconds > 0 else []),
     ]
@@ -206,7 +206,7 @@ def _shift(far: float, turn: float, between: str) -> str:
 
 
 def _disturbance_words(step: StepRecord) -> str:
-    """What moved or was hit and was not meant to, farthest first."""
+    """Tabulate the objects that moved or were hit and were not meant to, farthest first."""
     if not (names := _disturbed_by(step)):
         far, turn = (max((each[k] for each in step.disturbed.values()), default=0.0) for k in (0, 1))
         return f"<h2>Disturbed</h2><p>Nothing: the others moved by {_shift(far, turn, ' and ')} at most.</p>"

@@ -3,10 +3,10 @@
 from html import escape
 
 from topple.planner.decide.names import spoken
-from topple.planner.decide.words import listed, order_in_words, sentences
+from topple.planner.decide.words import order_in_words, phrase, sentences
 from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
 from topple.planner.report.graph import DrawnGraph, graph_box
-from topple.planner.report.html import folded, glance, view_page
+from topple.planner.report.html import fold, glance, view_page
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
 from topple.topology.base.arguments import checked_arguments
@@ -45,7 +45,7 @@ def show_page(
         head += glance(beneath, words, dependency_section(scene, drawing, planned))
         beneath = ""
     right = beneath + "<h2>Relations</h2>" + relation_matrix(found, drawing.index)
-    right += folded("Every relation with its evidence", relation_table(found, drawing.index))
+    right += fold("Every relation with its evidence", relation_table(found, drawing.index))
     right += sentence_list(_assumptions(scene, planned), "Assumptions")
     view = view_data(drawing, found, planned)
     return view_page(title or "topple: what is where", head, view, ("", right))
@@ -74,28 +74,28 @@ def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
 def _head(scene: Scene, order: Document | None, title: str) -> str:
     facts = [f"{len(scene.names)} objects"]
     if scene.fixed:
-        facts.append(f"fixed: {listed(sorted(scene.fixed))}")
+        facts.append(f"fixed: {phrase(sorted(scene.fixed))}")
     if scene.up is None:
         facts.append("which way is up is not known, so the view may lie on its side")
     if order is not None:
         targets = [str(name) for name in order.get("targets", ())]
         some = targets and len(targets) < len(scene.movable)
-        facts.append(f"to free: {listed(targets)}" if some else "to clear everything")
+        facts.append(f"to free: {phrase(targets)}" if some else "to clear everything")
     heading = _verdict(order) or title or f"Scene of {len(scene.names)} objects"
     facts[:0] = [title] if title and heading != title else []
     return f'<header><h1>{escape(heading)}</h1><p class="lead">{escape("; ".join(facts))}.</p></header>'
 
 
 def _verdict(order: Document | None) -> str:
-    """What to do, in one line; empty where no order was asked for."""
+    """Say what to do, in one line; empty where no order was asked for."""
     if order is None:
         return ""
     if order.get("unresolved"):
-        return f"No safe order: {listed([str(name) for name in order['unresolved'][0]])} hold each other."
+        return f"No safe order: {phrase([str(name) for name in order['unresolved'][0]])} hold each other."
     steps = order_in_words(order)
     return f"Take {steps[0][0]} first: {steps[0][1]}" if steps else "There is nothing to take."
 
 
 def _assumptions(scene: Scene, order: Document | None) -> list[str]:
-    """What the scene and the order assumed, each once."""
+    """List the assumptions of the scene and the order, each once."""
     return list(dict.fromkeys([*scene.assumptions, *sentences((order or {}).get("assumptions"))]))

@@ -6,16 +6,16 @@ from typing import Any, NamedTuple
 
 from topple.planner.decide.words import (
     contact,
-    counted,
-    listed,
     millimetres,
+    number_of,
     order_notes,
     order_rows,
+    phrase,
     sentences,
-    shortened,
+    shorten,
 )
 from topple.planner.report.drawing import Document, is_inferred
-from topple.planner.report.html import bullets, folded, table
+from topple.planner.report.html import bullets, fold, table
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import RELATION_COLOURS, css, ink_on, relation_colour
 from topple.planner.verify.verification import Verification
@@ -34,7 +34,7 @@ def relation_table(relations: Document, index: Mapping[str, int]) -> str:
     apart.sort(key=lambda pair: float(pair.get("gap") or 0.0))
     html = '<p class="note">No two objects meet: all are disjoint.</p>'
     html = _pair_table(meeting, index) if meeting else html
-    html += folded(counted(len(apart), "disjoint pair"), _pair_table(apart, index)) if apart else ""
+    html += fold(number_of(len(apart), "disjoint pair"), _pair_table(apart, index)) if apart else ""
     if (deviation := relations.get("deviation")) is not None:
         html += (
             '<p class="note">Rows read “A relation B”. Evidence: seen or inferred, and the share of such '
@@ -59,10 +59,10 @@ def relation_matrix(relations: Document, index: Mapping[str, int]) -> str:
             both = f"{index.get(x, -1)} {index.get(y, -1)}"
             cells[x, y] = f'<td data-ends="{both}" title="{said_so}">{_letter(word, inferred)}</td>'
     head = "".join(
-        f'<th scope="col" title="{escape(b)}"><span>{escape(shortened(b))}</span></th>' for b in names
+        f'<th scope="col" title="{escape(b)}"><span>{escape(shorten(b))}</span></th>' for b in names
     )
     rows = "".join(
-        f'<tr><th scope="row" title="{escape(a)}">{escape(shortened(a))}</th>'
+        f'<tr><th scope="row" title="{escape(a)}">{escape(shorten(a))}</th>'
         f"{''.join(cells.get((a, b), '<td></td>') for b in names)}</tr>"
         for a in names
     )
@@ -127,26 +127,26 @@ def order_list(order: Document, index: Mapping[str, int]) -> str:
 def _certificates(order: Document, index: Mapping[str, int]) -> str:
     """Groups, unresolved cycles, what carries what, and what only bars the gripper's way."""
 
-    def named(names: Sequence[Any] | str) -> str:
+    def names_html(names: Sequence[Any] | str) -> str:
         some = [names] if isinstance(names, str) else names
-        return listed([object_name(str(name), index) for name in some])
+        return phrase([object_name(str(name), index) for name in some])
 
     lines = [("", escape(words)) for words in order_notes(order)]
     for cycle in order.get("unresolved", ()):
-        lines.append((" bad", f"No safe order among {named(cycle)}: each holds another."))
+        lines.append((" bad", f"No safe order among {names_html(cycle)}: each holds another."))
     html = "".join(f'<p class="certificate{kind}">{words}</p>' for kind, words in lines)
     if supports := list(order.get("supports") or ()):
         rows = "".join(f"<li>{_support(order, support, index)}</li>" for support in supports)
         weakest = min(supports, key=lambda support: float(support.get("confidence", 1.0)))
         html += f'<p class="note">Weakest contact: {_support(order, weakest, index)}.</p>'
-        html += folded(f"What carries what ({len(supports)})", f"<ul>{rows}</ul>")
+        html += fold(f"What carries what ({len(supports)})", f"<ul>{rows}</ul>")
     if access := list(order.get("access") or ()):
         rows = "".join(
-            f"<li>{named(str(bar['first']))} bars the way to {named(str(bar['then']))}"
+            f"<li>{names_html(str(bar['first']))} bars the way to {names_html(str(bar['then']))}"
             f"{': ' + escape(str(bar['reason'])) if bar.get('reason') else ''}</li>"
             for bar in access
         )
-        html += folded(f"{len(access)} in the gripper's way", f"<ul>{rows}</ul>")
+        html += fold(f"{len(access)} in the gripper's way", f"<ul>{rows}</ul>")
     return html
 
 
@@ -163,7 +163,7 @@ def sentence_list(lines: Sequence[str], title: str) -> str:
 
 
 def proof_rows(checked: Verification) -> list[tuple[str, str, str]]:
-    """What a verification shows: what, by which means, and of which steps that is so."""
+    """List the claims of a verification, each with its means and its steps."""
     steps: dict[tuple[str, str], list[str]] = {}
     numbered = [(str(one.step + 1), one.proofs) for one in checked.steps]
     for number, proofs in (*numbered, ("plan", checked.whole)):
@@ -181,7 +181,7 @@ class Change(NamedTuple):
     """A pair whose relation is not the predicted one: "a relation b", or "not seen".
 
     `counts` says that it is a contradiction: in contact instead of apart, or the other way round, and both
-    were observed; or an object is gone. The loop counts the same (`execution.look.unexpected`).
+    were observed; or an object is gone. The loop counts the same (`execution.look.find_unexpected`).
     """
 
     a: str

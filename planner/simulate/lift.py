@@ -29,7 +29,7 @@ class Move:
 
     @property
     def share(self) -> float:
-        """What it is of as much as counts, a centimetre or ten degrees."""
+        """Size as a multiple of the least move that counts, a centimetre or ten degrees."""
         return max(self.distance / DISTURBED, self.angle / TURNED)
 
     def beyond(self, distance: float, degrees: float) -> bool:

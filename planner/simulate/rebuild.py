@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.planner.simulate.seating import Seat, Shape, balanced, floor_cut, part, seat
+from topple.planner.simulate.seating import Seat, Shape, balance_centres, floor_cut, part, seat
 from topple.planner.simulate.tolerances import EDGE, FEWEST, FILLED, INTRUDERS, SLAB
 from topple.robots.world.bodies import Body
 from topple.robots.world.body_clouds import Piece, shell, solid
@@ -83,7 +83,7 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     masses = {name: statics.weights[name].mass for name in shapes}
     hidden = statics.sight is not None  # else the mass is where the shape has it
     centres = {name: each.centre for name, each in seats.items()}
-    centres = {**(balanced(seats, masses) if hidden else centres), **_known_centres(upright, shapes)}
+    centres = {**(balance_centres(seats, masses) if hidden else centres), **_known_centres(upright, shapes)}
     part(shapes)
     bodies: dict[str, Body] = {}
     poses: dict[str, FloatArray] = {}

@@ -42,13 +42,13 @@ def part(shapes: Mapping[str, Shape]) -> None:
     for i, one in enumerate(names):
         for two in names[i + 1 :]:
             a, b = shapes[one], shapes[two]
-            for k, other in _overlapping(a, b):
+            for k, other in _overlaps(a, b):
                 cut = _separate(a[k], b[other])
                 if cut is not None:
                     a[k], b[other] = cut
 
 
-def _overlapping(a: Sequence[Piece], b: Sequence[Piece]) -> list[tuple[int, int]]:
+def _overlaps(a: Sequence[Piece], b: Sequence[Piece]) -> list[tuple[int, int]]:
     """Pairs of pieces whose boxes overlap."""
     low = [np.array([p.corners.min(axis=0) for p in each]) for each in (a, b)]
     high = [np.array([p.corners.max(axis=0) for p in each]) for each in (a, b)]
@@ -71,13 +71,13 @@ def _separate(a: Piece, b: Piece) -> tuple[Piece, Piece] | None:
         return None  # one is round the other: no plane parts them
     first, last = max(seen_high[best], low[best]), min(seen_low[best], high[best])
     limit = (first + last) / 2 if first > last else float(np.clip((low[best] + high[best]) / 2, first, last))
-    kept = clipped(a.corners, directions[best], limit), clipped(b.corners, -directions[best], -limit)
+    kept = clip(a.corners, directions[best], limit), clip(b.corners, -directions[best], -limit)
     if kept[0] is None or kept[1] is None:
         return None
     return Piece(kept[0], a.seen), Piece(kept[1], b.seen)
 
 
-def clipped(corners: FloatArray, normal: FloatArray, limit: float) -> FloatArray | None:
+def clip(corners: FloatArray, normal: FloatArray, limit: float) -> FloatArray | None:
     """The part of a convex set on the near side of a plane.
 
     Args:
@@ -192,7 +192,7 @@ def seat(
     for k in np.unique(under.piece[near]):
         mine = near & (under.piece == k)
         feet = np.column_stack([under.cells[mine], under.top[mine]])
-        shape[int(k)] = shape[int(k)].having(feet)
+        shape[int(k)] = shape[int(k)].with_points(feet)
     for owner in np.unique(under.owner[chosen & ~near]):
         shape.append(_hidden_below(under, np.flatnonzero(chosen & ~near & (under.owner == owner))))
     carriers = tuple(list(every)[k] for k in np.unique(under.owner[chosen]) if k >= 0)
@@ -200,7 +200,7 @@ def seat(
 
 
 def _hidden_below(under: _Under, index: IntArray) -> Piece:
-    """What nobody saw of a body between its underside and the one below that must carry it there.
+    """Fill the unseen space between a body's underside and the body below that must carry it there.
 
     A piece of its own: the hull of the whole body and it would reach into what stands beside. It ends at the
     outermost of the places: down to all of an uneven top it would stand on a bump in its middle, and rock.
@@ -238,7 +238,7 @@ def _supports(
     return chosen
 
 
-def balanced(seats: Mapping[str, Seat], masses: Mapping[str, float]) -> dict[str, FloatArray]:
+def balance_centres(seats: Mapping[str, Seat], masses: Mapping[str, float]) -> dict[str, FloatArray]:
     """Centres of mass, each moved level until it and all it carries are over what carries them.
 
     Args:
@@ -323,6 +323,6 @@ def floor_cut(shape: Shape, floor: float) -> Shape:
     """Pieces without what reaches below the floor: noise; pieces that lie below it altogether stay."""
     kept: Shape = []
     for piece in shape:
-        corners = clipped(piece.corners, np.array([0.0, 0.0, -1.0]), -floor)
+        corners = clip(piece.corners, np.array([0.0, 0.0, -1.0]), -floor)
         kept.append(piece if corners is None else Piece(hull_of(corners)[0], piece.seen))
     return kept

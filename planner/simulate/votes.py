@@ -176,9 +176,7 @@ def chances(
     return found
 
 
-def confirmed(
-    graph: DependencyGraph, chance: Mapping[tuple[str, str], float], votes: Votes
-) -> DependencyGraph:
+def confirm(graph: DependencyGraph, chance: Mapping[tuple[str, str], float], votes: Votes) -> DependencyGraph:
     """The graph after simulation.
 
     Args:

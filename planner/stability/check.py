@@ -9,7 +9,7 @@ import numpy as np
 from topple.planner.stability.footing import Footing
 from topple.planner.stability.margins import Carry, Direction, Island, Margins, beyond_support, islands_of
 from topple.planner.stability.stack import as_stack
-from topple.planner.stability.verdicts import GONE, STANDING, Finding, Verdict, find_verdicts, held
+from topple.planner.stability.verdicts import GONE, STANDING, Finding, Verdict, find_held, find_verdicts
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput
 from topple.topology.io.load import AnyScene
@@ -192,7 +192,7 @@ def _failed_check(name: str, finding: Finding, footing: Footing) -> ObjectCheck:
         amount = footing.depths[name, finding.others[0]]
     elif finding.verdict is Verdict.FLOATS and finding.others:
         amount = footing.drops[name][finding.others[0]]
-    elif finding.verdict is Verdict.TIPS and not held(footing, [name], footing.contacts):
+    elif finding.verdict is Verdict.TIPS and not find_held(footing, [name], footing.contacts):
         shift = beyond_support(footing, name, footing.contacts)
         amount = None if shift is None else shift[1]
     return ObjectCheck(name, finding.verdict, finding.others, amount)
@@ -222,7 +222,7 @@ def _checks(island: Island, verdicts: Mapping[str, Finding], footing: Footing) -
 
 
 def _margins(island: Island, name: str, pushes: Mapping[str, tuple[float, Direction]]) -> Margins:
-    """What an object withstands, of which it has the pushes of all that is above it."""
+    """Measure the margins of an object, given the pushes of all that is above it."""
     centre, aside = island.centre_margin(name)
     push, pushed = min(pushes[other] for other in (name, *island.above(name)))
     return Margins(centre, island.tilt_margin, push, aside, pushed)

@@ -90,7 +90,7 @@ class Footing:
         return bool(rising.max() > BESIDES)
 
     def carriers(self, name: str, contacts: Iterable[Contact]) -> list[str]:
-        """What pushes an object up."""
+        """Names of the bodies that push an object up."""
         meeting = [contact for contact in contacts if name in (contact.a, contact.b)]
         rising = [contact for contact in meeting if self.carries(contact, name)]
         return list(dict.fromkeys(c.a if c.b == name else c.b for c in rising))
@@ -151,7 +151,7 @@ def _meetings(
 
 
 def _round(contacts: Iterable[Contact]) -> frozenset[str]:
-    """What stands on facets, or is stood on where it has some."""
+    """Names of bodies that stand on facets, or are stood on where they have some."""
     faceted = [c for c in contacts if ((c.turns > FACING) & (c.turns <= FACET)).any()]
     return frozenset(name for contact in faceted for name in (contact.a, contact.b))
 

@@ -11,13 +11,13 @@ from scipy.sparse import block_diag, csc_array, hstack
 
 from topple.planner.stability.footing import Footing
 from topple.planner.stability.tolerances import FARTHEST, ROLLS_FROM, STEEPEST, STRONGEST, WAYS
-from topple.planner.stability.verdicts import fallen, held
+from topple.planner.stability.verdicts import find_held, judge_fallen
 from topple.robots.arm.tolerances import GRAVITY
 from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import inset
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import balance, demanded, force_columns, islands, rising
+from topple.topology.statics.equilibrium import balance, by_height, demand_of, force_columns, islands
 from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 
 Direction = tuple[float, float, float]
@@ -71,7 +71,7 @@ class Island:
     def __init__(self, footing: Footing, names: Collection[str], contacts: Sequence[Contact]) -> None:
         """Keep the equations of the objects; everything else is fixed."""
         self._footing = footing
-        self.weights = rising({name: footing.weights[name] for name in names})
+        self.weights = by_height({name: footing.weights[name] for name in names})
         self.names = tuple(self.weights)
         self.contacts = [c for c in contacts if c.a in self.weights or c.b in self.weights]
 
@@ -112,7 +112,7 @@ class Island:
         columns = block_diag(each, format="csc")
         price, upper = np.zeros(len(loads) * (count + 1)), np.full(len(loads) * (count + 1), np.inf)
         price[count :: count + 1], upper[count :: count + 1] = -sign, limit
-        demand: Any = np.tile(demanded(height), len(loads))
+        demand: Any = np.tile(demand_of(height), len(loads))
         bounds: Any = Bounds(0.0, upper)  # type: ignore[arg-type]
         equal = LinearConstraint(columns, demand, demand)
         found = milp(price, constraints=equal, bounds=bounds, options={"presolve": False})
@@ -174,7 +174,7 @@ class Island:
         return self.most(list(slopes.reshape(len(ways), -1)), STEEPEST)
 
     def loads(self) -> Mapping[str, tuple[Carry, ...]]:
-        """What carries each object: what is below it, or holds it from beside where nothing is."""
+        """Carriers of each object: those below it, or those that hold it from beside where none is."""
         footing, below = self._footing, {name: list[Carry]() for name in self.names}
         beside = {name: list[Carry]() for name in self.names}
         loads = balance(self.weights, self.contacts).loads
@@ -190,7 +190,7 @@ class Island:
         return {name: tuple(below[name] or beside[name]) for name in self.names}
 
     def carry(self, carrier: str, contact: Contact, litres: float, middle: FloatArray) -> Carry:
-        """What carries as many litres of the usual matter at (3,) a point of the upright frame."""
+        """Describe a carrier of so many litres of the usual matter at a point (3,) of the upright frame."""
         unit = self._footing.unit
         x, y, z = (middle @ self._footing.rotation * unit).tolist()
         newton = litres * DENSITY / 1e3 * unit**3 * GRAVITY
@@ -199,15 +199,15 @@ class Island:
     def by_friction(self, name: str) -> bool:
         """Whether an object stands by friction alone: on polished sides it would not."""
         smooth = [replace(c, friction=0.0) if name in (c.a, c.b) else c for c in self.contacts]
-        return name not in held(self._footing, self.names, smooth)
+        return name not in find_held(self._footing, self.names, smooth)
 
     def falls_without(self, name: str) -> tuple[str, ...]:
-        """What does not stand where an object is gone."""
+        """Objects that do not stand where another is gone."""
         left = [contact for contact in self.contacts if name not in (contact.a, contact.b)]
-        return tuple(fallen(self._footing, [other for other in self.names if other != name], left))
+        return tuple(judge_fallen(self._footing, [other for other in self.names if other != name], left))
 
     def above(self, name: str) -> frozenset[str]:
-        """What stands on an object, directly or not."""
+        """Objects that stand on an object, directly or not."""
         found: set[str] = set()
         border = [name]
         while border:

@@ -14,7 +14,7 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.scene.frame import shifted
+from topple.topology.scene.frame import shift_objects
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -80,7 +80,7 @@ def mend(scene: AnyScene) -> Mended:
         if not added:
             break
         shifts |= added
-        best = shifted(found, shifts)
+        best = shift_objects(found, shifts)
     left = {n: each.verdict for n, each in find_verdicts(Footing.of(Situation.of(best))).items()}
     return Mended(shifts, {n: verdict for n, verdict in left.items() if verdict not in STANDING}, best)
 

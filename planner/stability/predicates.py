@@ -49,7 +49,7 @@ class Predicate(ABC):
 
     @abstractmethod
     def told(self, state: State) -> bool | None:
-        """What is told of a state that has all the names."""
+        """Evaluate the predicate in a state that has all the names."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class In(Predicate):
         held = sum(
             float(np.linalg.norm(state.pushes[self.object, other]))
             for other in others
-            if not state.surrounded(other, self.container)
+            if not state.in_hollow(other, self.container)
         )
         known = state.pressed and state.rests(self.object, self.container) and held <= HELD_BY_OTHERS * weight
         return True if known else None

@@ -40,7 +40,7 @@ class _Base:
 
     @property
     def carrier(self) -> str:
-        """What carries it."""
+        """Name of the body below."""
         return self.contact.a if self.contact.b == self.carried else self.contact.b
 
     @property
@@ -65,7 +65,7 @@ class Stack(Island):
         self.balanced = True  # type: ignore[misc]  # that is what `as_stack` saw to
 
     def _below(self, name: str) -> list[_Base]:
-        """What carries an object, from its own base down."""
+        """Bases below an object, from its own down."""
         found: list[_Base] = []
         while name in self._bases:
             found.append(self._bases[name])
@@ -96,7 +96,7 @@ class Stack(Island):
         return most
 
     def loads(self) -> Mapping[str, tuple[Carry, ...]]:
-        """What carries each object."""
+        """Carrier of each object."""
         middles = {name: np.append(base.centre[:2], base.height) for name, base in self._bases.items()}
         return {
             name: (self.carry(base.carrier, base.contact, base.litres, middles[name]),)
@@ -108,7 +108,7 @@ class Stack(Island):
         return False
 
     def falls_without(self, name: str) -> tuple[str, ...]:
-        """What is above it, and what it was the counterweight of."""
+        """Objects above it, and those it was the counterweight of."""
         gone = {name, *self.above(name)}
         for lower in [each.carried for each in self._below(name)][1:]:
             every = {lower, *self.above(lower)}

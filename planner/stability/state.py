@@ -16,7 +16,7 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.scene.scene import Scene
 from topple.topology.statics.tolerances import LOWEST_SHARE
@@ -111,7 +111,7 @@ class State:
         own = self.joined.get(name, frozenset())
         return (other for other in self.names if other != name and other not in own)
 
-    def surrounded(self, name: str, container: str) -> bool:
+    def in_hollow(self, name: str, container: str) -> bool:
         """Whether a body is in the hollow of another, carried or not.
 
         Its centre of mass is over the other's outline, its lowest point below the rim and above the lowest.
@@ -139,7 +139,7 @@ class State:
 
     def within(self, name: str, container: str) -> bool:
         """Whether a body is in the hollow of another, and meets that or what else is in it."""
-        if not self.surrounded(name, container):
+        if not self.in_hollow(name, container):
             return False
         meeting, reached = [name], {name}
         while meeting:
@@ -148,7 +148,7 @@ class State:
             if container in met:
                 return True
             reached |= met
-            meeting += [each for each in met if self.surrounded(each, container)]
+            meeting += [each for each in met if self.in_hollow(each, container)]
         return False
 
 
@@ -170,7 +170,7 @@ def _of_world(world: PhysicalWorld) -> State:
         np.array([0.0, 0.0, 1.0]) if gravity > 0 else None,
         {name: bodies[name].mass * gravity for name in world.movable},
         pushes,
-        {name: transformed(body.centre_of_mass, world.pose(name)) for name, body in bodies.items()},
+        {name: move_points(body.centre_of_mass, world.pose(name)) for name, body in bodies.items()},
         lambda name: np.vstack(world.parts(name)),
         motion,
     )

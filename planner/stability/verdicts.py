@@ -58,15 +58,15 @@ def find_verdicts(footing: Footing) -> dict[str, Finding]:
         if into:
             found[name] = Finding(Verdict.PENETRATES, tuple(sorted(into, key=lambda b: -into[b])))
     free = footing.weights.keys() - found.keys()
-    falling = fallen(footing, free, footing.contacts)
+    falling = judge_fallen(footing, free, footing.contacts)
     if falling and footing.unseen:
-        seen, falling = falling, fallen(footing, free, (*footing.contacts, *footing.unseen))
+        seen, falling = falling, judge_fallen(footing, free, (*footing.contacts, *footing.unseen))
         found |= {name: Finding(Verdict.UNSEEN) for name in seen if name not in falling}
     found |= falling
     return {name: found.get(name, Finding(Verdict.STANDS)) for name in footing.weights}
 
 
-def held(footing: Footing, names: Collection[str], contacts: Iterable[Contact]) -> frozenset[str]:
+def find_held(footing: Footing, names: Collection[str], contacts: Iterable[Contact]) -> frozenset[str]:
     """Which of some objects forces at contacts hold; everything else counts as fixed."""
     weights = {name: weight for name, weight in footing.weights.items() if name in names}
     near = [contact for contact in contacts if contact.a in weights or contact.b in weights]
@@ -75,7 +75,7 @@ def held(footing: Footing, names: Collection[str], contacts: Iterable[Contact]) 
     return frozenset(weights).difference(*(i for i in islands(weights, near) if not failing.isdisjoint(i)))
 
 
-def fallen(footing: Footing, free: Collection[str], contacts: Sequence[Contact]) -> dict[str, Finding]:
+def judge_fallen(footing: Footing, free: Collection[str], contacts: Sequence[Contact]) -> dict[str, Finding]:
     """Judge what of some objects is not held; everything else counts as fixed.
 
     Args:
@@ -86,14 +86,16 @@ def fallen(footing: Footing, free: Collection[str], contacts: Sequence[Contact])
     Returns:
         name -> verdict, of those alone that are not held.
     """
-    work = set(free) - held(footing, free, contacts)
+    work = set(free) - find_held(footing, free, contacts)
     found: dict[str, Finding] = {}
     gone: list[str] = []
     while work:
         near = [c for c in contacts if c.a not in gone and c.b not in gone]
-        failing = {n: _cause(n, footing, near, contacts, gone) for n in work if not held(footing, [n], near)}
+        failing = {
+            n: _cause(n, footing, near, contacts, gone) for n in work if not find_held(footing, [n], near)
+        }
         if not failing:
-            standing = held(footing, work, near)
+            standing = find_held(footing, work, near)
             work -= standing
             if not work:
                 break
@@ -121,7 +123,7 @@ def _cause(
 def _slides(footing: Footing, names: Collection[str], near: Iterable[Contact]) -> Verdict:
     """Whether friction is what is missing."""
     gripping = [replace(contact, friction=GRIPPING) for contact in near]
-    return Verdict.SLIDES if held(footing, names, gripping) >= frozenset(names) else Verdict.TIPS
+    return Verdict.SLIDES if find_held(footing, names, gripping) >= frozenset(names) else Verdict.TIPS
 
 
 def _first_to_move(work: Collection[str], footing: Footing, near: Sequence[Contact]) -> dict[str, Finding]:

@@ -18,8 +18,8 @@ from topple.robots.arm.torques import Strain, strain
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import Solids, moved
-from topple.topology.geometry.rigid import transformed
+from topple.topology.bodies.solids import Solids, move_parts
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.samples import volume_and_centre
 from topple.topology.situation.situation import Situation
 
@@ -73,11 +73,11 @@ class Checks:
         return sum(weights), np.average(centres, axis=0, weights=weights)
 
     def strain(self, grasp: Grasp, q: FloatArray) -> Strain:
-        """What the arm and what it carries ask of the joints in states (m, n)."""
+        """Compare the load of the arm and its object with the joints' limits in states (m, n)."""
         mass, centre = self.load
         to_flange = self.arm.tool_to_flange(grasp.tool) @ inverse(self.tool_pose(grasp))
         up = self.world_to_base[:3, :3] @ self.up
-        return strain(self.arm, q, up, mass, transformed(centre[None], to_flange)[0])
+        return strain(self.arm, q, up, mass, move_points(centre[None], to_flange)[0])
 
     # -- how the hand stands
 
@@ -119,7 +119,7 @@ class Checks:
         if key not in self._checkers:
             bodies = self.bodies if comes else self.others
             if leaves and placed and place is not None:
-                left = {name: moved(self.bodies[name], place.pose_before_to_after) for name in self.own}
+                left = {name: move_parts(self.bodies[name], place.pose_before_to_after) for name in self.own}
                 bodies = {**bodies, **left}
             self._checkers[key] = Checker(
                 self.arm,
@@ -150,7 +150,7 @@ class Checks:
             case SegmentKind.APPROACH:
                 return _pairs(links, [self.name, *near])
             case SegmentKind.LIFT:  # what the object touches now, off which it comes
-                return _pairs([self.name], self.touching) + _pairs(links, {*near}.difference(self.own))
+                return _pairs([self.name], self.neighbours) + _pairs(links, {*near}.difference(self.own))
             case SegmentKind.PLACE if into is not None:
                 return _pairs([self.name], [into])
             case SegmentKind.RETREAT:
@@ -164,7 +164,7 @@ class Checks:
         return {other: parts for other, parts in self.bodies.items() if other not in self.own}
 
     @cached_property
-    def touching(self) -> tuple[str, ...]:
+    def neighbours(self) -> tuple[str, ...]:
         """The others whose clouds or bodies come within contact distance of the object's."""
         return tuple(
             other
@@ -176,7 +176,7 @@ class Checks:
     def _attachment(self, grasp: Grasp) -> Attachment:
         to_tool: FloatArray = np.linalg.inv(self.tool_pose(grasp)).astype(np.float64)
         parts = [part for name in self.own for part in self.bodies[name]]
-        return Attachment(moved(parts, to_tool), grasp.tool, self.name)
+        return Attachment(move_parts(parts, to_tool), grasp.tool, self.name)
 
 
 def _pairs(links: Iterable[str], objects: Collection[str]) -> list[frozenset[str]]:

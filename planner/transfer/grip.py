@@ -47,10 +47,10 @@ class Grips:
             if not any(map(grasp.near, avoid))
         ]
         hands = handling.hands(grasps[: TRANSFER_LIMITS.grasps], q_start, log)
-        self.states = list(handling.reached(hands, False, log))
+        self.states = list(handling.reach(hands, False, log))
 
-    def proven(self, state: Reached) -> Transfer | None:
-        """What the arm does until its hand is closed in one of the states; None, noted, without a proof."""
+    def prove(self, state: Reached) -> Transfer | None:
+        """Plan and prove the motions until the hand is closed in a state; None, noted, without a proof."""
         grasp, handling, limits = state.grasp, self._handling, TRANSFER_LIMITS
         approach = handling.approach(state, limits.approach, self._log)
         if approach.path is None or not approach.prove():

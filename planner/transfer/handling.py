@@ -20,7 +20,7 @@ from topple.planner.transfer.stages import Stage
 from topple.planner.transfer.tolerances import AT_ONCE, MARGIN, SEEDS, STRAIN_STEP
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.statics.way_out import leads_up
 
 
@@ -91,7 +91,7 @@ class Handling(Checks):
         marked = [replace(hand, unseen=hidden) for hand, hidden in zip(hands, unseen, strict=True)]
         return sorted(marked, key=lambda hand: hand.unseen)
 
-    def reached(
+    def reach(
         self, hands: Iterable[tuple[Grasp, FloatArray]], lenient: bool, log: FailureLog
     ) -> Iterator[Reached]:
         """States of hand poses in which the open hand is free.
@@ -214,7 +214,7 @@ class Handling(Checks):
 
     def _moves_out(self, place: Placement, length: float) -> tuple[FloatArray, ...]:
         """(3,) moves from a place out: to above it, or where something fixed is over it to before it."""
-        points = transformed(self.scene.clouds[self.name], place.pose_before_to_after)
+        points = move_points(self.scene.clouds[self.name], place.pose_before_to_after)
         return self._moves(self.situation.way_out_from(points), length)
 
     def _moves(self, out: FloatArray, length: float) -> tuple[FloatArray, ...]:

@@ -6,7 +6,7 @@ from topple.planner.placement.away import Away
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.tolerances import GRAIN
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.situation.situation import Situation
 
 
@@ -29,10 +29,10 @@ def after(situation: Situation, transfer: Transfer, looked_at: bool = False) -> 
     names = (transfer.object, *transfer.riding)
     if place.how in tuple(Away) and not (looked_at and place.how is Away.ZONE):
         return situation.without(*names)
-    return rested(situation, names, place.pose_at_rest(situation.up), place.into is None)
+    return rest_at(situation, names, place.pose_at_rest(situation.up), place.into is None)
 
 
-def rested(situation: Situation, names: Sequence[str], pose: FloatArray, on_table: bool) -> Situation:
+def rest_at(situation: Situation, names: Sequence[str], pose: FloatArray, on_table: bool) -> Situation:
     """Predict the situation once things were moved, as `after` does.
 
     Args:
@@ -44,7 +44,7 @@ def rested(situation: Situation, names: Sequence[str], pose: FloatArray, on_tabl
     up, name = situation.up, names[0]
     hidden = None
     if on_table:
-        body = sampled(situation.solids[name], 2.0 * GRAIN)
+        body = sample(situation.solids[name], 2.0 * GRAIN)
         seen_above = float((situation.scene.clouds[name] @ pose[:3, :3].T @ up).min())
         hidden = body[body @ pose[:3, :3].T @ up < seen_above]
     return situation.moved(names, pose, hidden)

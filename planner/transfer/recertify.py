@@ -16,7 +16,7 @@ from topple.robots.arm.arm import Arm, Station
 from topple.topology.situation.situation import Situation
 
 
-def recertified(transfer: Transfer, situation: Situation, station: Station) -> Transfer | None:
+def recertify(transfer: Transfer, situation: Situation, station: Station) -> Transfer | None:
     """Prove that a transfer can be done in another situation than it was planned for.
 
     The hand needs room among the clouds, and something of the object where it closes. Every motion is

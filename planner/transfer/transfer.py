@@ -25,7 +25,7 @@ from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Station
 from topple.robots.arm.home import scale_of, workplace_of
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import UnknownObject
 from topple.topology.bodies.solids import Solids
 from topple.topology.scene.scene import Scene
@@ -62,7 +62,7 @@ class Transfer:
     fallbacks: tuple[Relaxation, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "q_end", frozen(self.q_end))
+        object.__setattr__(self, "q_end", freeze(self.q_end))
 
     @property
     def seconds(self) -> float:
@@ -231,7 +231,7 @@ class _Search:
         reached: list[Iterator[Reached]]
         if self.asked.held is None:
             both = tee(self.handling.hands(grasps[: self.limits.grasps], self.handling.q_start, self.log))
-            reached = [self.handling.reached(hands, bool(k), self.log) for k, hands in enumerate(both)]
+            reached = [self.handling.reach(hands, bool(k), self.log) for k, hands in enumerate(both)]
         else:
             reached = [iter([self.asked.held]), iter([self.asked.held])]
         for way in self._ways():

@@ -7,7 +7,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.verify.replay import Finding, Piece, Replay
 from topple.planner.verify.tolerances import ROUNDED
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 
 Proven = tuple[Piece, Certificate, bool]
 """A piece in which the arm moves, its certificate, and whether it is nowhere closer than its plan says."""
@@ -19,22 +19,22 @@ def certificates(replay: Replay) -> tuple[Proven, ...]:
     for piece in replay.pieces:
         if piece.segment.motion is None:
             continue
-        held = [part for name, to_tool in piece.held.items() for part in moved(replay.parts[name], to_tool)]
+        held = [part for name, to in piece.held.items() for part in move_parts(replay.parts[name], to)]
         checker = Checker(
             replay.arm,
             replay.base,
-            {name: moved(replay.parts[name], pose) for name, pose in piece.poses.items()},
+            {name: move_parts(replay.parts[name], pose) for name, pose in piece.poses.items()},
             tool_state=piece.hand,
             attached=Attachment(tuple(held), piece.segment.tool, piece.step.object) if held else None,
             allow=piece.may_touch,
         )
         positions, room = piece.segment.motion.positions, piece.segment.clearance - ROUNDED
-        kept = not piece.segment.certified or room <= 0.0 or checker.keeping(room).free(positions).all()
+        kept = not piece.segment.certified or room <= 0.0 or checker.at_distance(room).free(positions).all()
         found.append((piece, Certifier(checker).path(positions), bool(kept)))
     return tuple(found)
 
 
-def unproven(replay: Replay) -> Iterator[Finding]:
+def open_motions(replay: Replay) -> Iterator[Finding]:
     """Motions that a plan calls unproven or that cannot be proven, and those closer than it says."""
     for piece, certificate, kept in replay.once(certificates):
         if not piece.segment.certified:

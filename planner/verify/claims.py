@@ -89,7 +89,7 @@ class Claim:
     def proof(
         self, replay: Replay, residuals: Mapping[str, Residual], step: int | None = None
     ) -> Proof | None:
-        """What residuals say of it, of one step or of the whole plan; None where it is not claimed."""
+        """Judge the claim by residuals, of one step or of the whole plan; None where it is not claimed."""
         asked, means = [residuals[name] for name in self.names], self.means.format(step=replay.spacing)
         failed = [each for each in asked if each.evaluated and not each.ok and step in (None, *each.steps)]
         if failed:
@@ -159,7 +159,7 @@ SEEN_ORDER = Claim(
     "dependencies derived again",
     (
         Check("dependencies of the scene broken", outcome.out_of_seen_order),
-        Check("dependencies that the scene does not give", outcome.unfounded),
+        Check("dependencies that the scene does not give", outcome.extra_dependencies),
     ),
 )
 OF_STEPS = (
@@ -219,14 +219,14 @@ OF_STEPS = (
     Claim(
         "nor between these states",
         "swept certificate derived again",
-        (Check("motions without a proof", between.unproven),),
+        (Check("motions without a proof", between.open_motions),),
         unshown=(_no_motion, between.open_motion),
         figure=between.clearance,
     ),
     Claim(
         "no seen point is entered",
         "clouds against links and load",
-        (Check("seen points entered", clouds.entered, "m", most.NOISE),),
+        (Check("seen points entered", clouds.depths_in_arm, "m", most.NOISE),),
         unshown=(_no_motion, _unseen_words),
     ),
     Claim(
@@ -246,7 +246,7 @@ OF_STEPS = (
     Claim(
         "a controller drives what was checked",
         "cubics through the samples",
-        (Check("splines through the samples off the straight way", drive.strayed, "m", most.STRAYED),),
+        (Check("splines through the samples off the straight way", drive.strays, "m", most.STRAYED),),
         unshown=(_no_motion,),
     ),
     Claim(
@@ -284,7 +284,7 @@ OF_STEPS = (
     Claim(
         "nor is it pressed into what bears it",
         "clouds against the load",
-        (Check("pressed into what it is put on or into", clouds.pressed, "m", most.NOISE),),
+        (Check("pressed into what it is put on or into", clouds.depths_in_load, "m", most.NOISE),),
         asked=lambda _, step: step.placement.into is not None,
         unshown=(_in_hand, _never_let_go),
     ),
@@ -295,7 +295,7 @@ OF_STEPS = (
             Check("shift after letting go", rest.shifts, "m", SHIFT),
             Check("turn after letting go", rest.turns, "rad", TURN),
             Check("outside of its container after letting go", rest.out_of_container, "m", 0.0),
-            Check("said to fall, and stays", rest.excused),
+            Check("said to fall, and stays", rest.false_falls),
         ),
         unshown=(_in_hand, _never_let_go, _falling_words),
     ),

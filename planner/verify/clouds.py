@@ -10,7 +10,7 @@ from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray, bounds, within_corners
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.geometry.pieces import pieces_of, surface_spacing
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.geometry.thin import spacing_of, voxel_means
 
@@ -46,7 +46,7 @@ def _depths(replay: Replay) -> tuple[tuple[bool, Finding], ...]:
             onto = piece.step.placement.into in seen
             if len(seen) != 1:
                 continue
-            cloud = transformed(scene.clouds[seen[0]], piece.poses[seen[0]])
+            cloud = move_points(scene.clouds[seen[0]], piece.poses[seen[0]])
             (other,) = pair - {seen[0]}
             lay = 0.0
             if other in hulls:
@@ -54,21 +54,21 @@ def _depths(replay: Replay) -> tuple[tuple[bool, Finding], ...]:
             elif other in piece.held:
                 poses, solids = np.matmul(tools, piece.held[other]), objects[other]
                 if not onto:  # as deep as it lay or is to lie is no entering
-                    lay = _depth(transformed(cloud, inverse(poses[piece.at_rest])), solids)
+                    lay = _depth(move_points(cloud, inverse(poses[piece.at_rest])), solids)
             else:
                 continue
             for number, pose in zip(numbers.tolist(), poses, strict=True):
-                depth = _depth(transformed(cloud, inverse(pose)), solids) - lay
+                depth = _depth(move_points(cloud, inverse(pose)), solids) - lay
                 found.append((onto, piece.finds(depth, f"{seen[0]} in {other} at state {number}")))
     return tuple(found)
 
 
-def entered(replay: Replay) -> Iterator[Finding]:
+def depths_in_arm(replay: Replay) -> Iterator[Finding]:
     """How deep seen points are in links and what is carried [m]."""
     return (finding for onto, finding in replay.once(_depths) if not onto)
 
 
-def pressed(replay: Replay) -> Iterator[Finding]:
+def depths_in_load(replay: Replay) -> Iterator[Finding]:
     """How deep points of what an object is put on or into are in that object [m]."""
     return (finding for onto, finding in replay.once(_depths) if onto)
 

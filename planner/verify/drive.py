@@ -12,7 +12,7 @@ from topple.robots.driver import Trajectory
 from topple.topology.base.arrays import FloatArray
 
 
-def driven(replay: Replay) -> tuple[tuple[Piece, Trajectory], ...]:
+def ways(replay: Replay) -> tuple[tuple[Piece, Trajectory], ...]:
     """The pieces in which the arm moves, and how."""
     some = ((piece, piece.segment.motion) for piece in replay.pieces)
     return tuple((piece, way) for piece, way in some if way is not None)
@@ -20,7 +20,7 @@ def driven(replay: Replay) -> tuple[tuple[Piece, Trajectory], ...]:
 
 def _stretches(replay: Replay) -> Iterator[tuple[Piece, FloatArray, FloatArray, FloatArray]]:
     """Motions of more than one sample: the piece, their spans (t - 1, 1) [s], positions and velocities."""
-    for piece, (stamps, positions, velocities) in replay.once(driven):
+    for piece, (stamps, positions, velocities) in replay.once(ways):
         if len(stamps) > 1:
             yield piece, np.maximum(np.diff(stamps)[:, None], 1e-9), positions, velocities
 
@@ -35,26 +35,26 @@ def beyond_limits(replay: Replay) -> Iterator[Finding]:
             ("cup_extension", hand.cup_extension, arm.hand_limits.cup_extension),
         ):
             yield piece.finds(max(value - most, -value) - LIP, what)
-    for piece, (_, positions, _) in replay.once(driven):
+    for piece, (_, positions, _) in replay.once(ways):
         beyond = np.maximum(positions - arm.upper, arm.lower - positions).max(axis=0)
         yield piece.finds(float(beyond.max()), arm.joints[int(beyond.argmax())])
 
 
 def jumps(replay: Replay) -> Iterator[Finding]:
     """How far motions begin from where the arm is [rad]."""
-    for piece, (_, positions, _) in replay.once(driven):
+    for piece, (_, positions, _) in replay.once(ways):
         yield piece.finds(float(np.abs(positions[0] - piece.start).max()))
 
 
 def unrest(replay: Replay) -> Iterator[Finding]:
     """How fast joints are where motions begin and end [rad/s]."""
-    for piece, (_, _, velocities) in replay.once(driven):
+    for piece, (_, _, velocities) in replay.once(ways):
         yield piece.finds(float(np.abs(velocities[[0, -1]]).max()))
 
 
 def times(replay: Replay) -> Iterator[Finding]:
     """Times that do not increase, or do not begin at 0."""
-    for piece, (stamps, *_) in replay.once(driven):
+    for piece, (stamps, *_) in replay.once(ways):
         yield piece.finds(float(stamps[0] != 0.0), f"it begins at {stamps[0]:g} s")
         yield piece.finds(float(np.count_nonzero(np.diff(stamps) <= 0.0)))
 
@@ -84,13 +84,13 @@ def drifts(replay: Replay) -> Iterator[Finding]:
         yield piece.finds(float(np.abs(positions[1:] - positions[0] - way).max()))
 
 
-def strayed(replay: Replay) -> Iterator[Finding]:
+def strays(replay: Replay) -> Iterator[Finding]:
     """How far [m] a controller's spline takes a joint or the tool off the straight edges that were checked.
 
     ROS 2's joint trajectory controller drives a cubic through positions and velocities, others one through
     the positions alone.
     """
-    for piece, way in replay.once(driven):
+    for piece, way in replay.once(ways):
         if len(way.times) > 1 and (np.diff(way.times) > 0.0).all():
             yield piece.finds(_stray(replay.arm, piece.segment.tool, *way))
 

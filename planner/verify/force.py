@@ -13,8 +13,8 @@ from topple.robots.arm.tolerances import GRAVITY
 from topple.robots.arm.torques import Strain, strain
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import moved
-from topple.topology.geometry.rigid import transformed
+from topple.topology.bodies.solids import move_parts
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.samples import volume_and_centre
 
 
@@ -29,7 +29,7 @@ class Weights:
     """
 
     def __init__(self, replay: Replay) -> None:
-        scene = replay.weighed()
+        scene = replay.weighing_scene()
         self.replay, self.arm, self._up = replay, replay.arm, replay.up
         self._base_up = replay.base[:3, :3].T @ self._up
         self.masses: Mapping[str, float] = {} if scene is None else scene.masses
@@ -47,9 +47,7 @@ class Weights:
     def _weigh(self, piece: Piece) -> None:
         """Weigh what is in the hand: as it closes, and on the joints all along."""
         to_pads = inverse(self.replay.pads(piece))
-        parts = {
-            name: moved(self.replay.parts[name], to_pads @ to_tool) for name, to_tool in piece.held.items()
-        }
+        parts = {name: move_parts(self.replay.parts[name], to_pads @ to) for name, to in piece.held.items()}
         lumps = {name: volume_and_centre(np.vstack(each), each) for name, each in parts.items()}
         known = {name: self.masses.get(name, 0.0) for name in lumps}
         likely = {
@@ -57,7 +55,7 @@ class Weights:
         }
         centres = {name: centre for name, (_, centre) in lumps.items()}
         for name in centres.keys() & self._centres.keys():
-            (centres[name],) = moved([self._centres[name][None]], to_pads @ piece.held[name])[0]
+            (centres[name],) = move_parts([self._centres[name][None]], to_pads @ piece.held[name])[0]
         asked = self._strain(piece, known, centres)
         self.torques.append(piece.finds(asked.share, str(asked)))
         if known != likely and (asked := self._strain(piece, likely, centres)).share > 1.0:
@@ -80,12 +78,12 @@ class Weights:
         self.heavy.append(piece.finds(GRAVITY * mass - most, words))
 
     def _strain(self, piece: Piece, masses: Mapping[str, float], centres: Mapping[str, FloatArray]) -> Strain:
-        """What weights ask of the joints along a segment."""
+        """Compare weights with the joints' limits along a segment."""
         mass, centre = sum(masses.values()), np.zeros(3)
         if mass > 0.0:
             middle = np.average(list(centres.values()), axis=0, weights=list(masses.values()))
             to_flange = self.arm.tool_to_flange(piece.segment.tool) @ self.replay.pads(piece)
-            centre = transformed(middle[None], to_flange)[0]
+            centre = move_points(middle[None], to_flange)[0]
         return strain(self.arm, piece.states[::-COARSE], self._base_up, mass, centre)
 
     def _hold_load(

@@ -13,8 +13,8 @@ from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.rigid import transformed
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.rigid import move_points
+from topple.topology.geometry.samples import sample
 from topple.topology.geometry.sides import inset
 
 Bodies = Mapping[str, Sequence[FloatArray]]
@@ -62,10 +62,10 @@ class Grip:
         if tool_of(step.grasp.kind) != tool:
             return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
         to_tool = inverse(pose_pads_to_world) @ poses[step.object]
-        parts = [transformed(part, to_tool) for part in self._parts[step.object]]
+        parts = [move_points(part, to_tool) for part in self._parts[step.object]]
         if not self.arm.tools[tool].gripper.limits.opening:
             return self._cup_fails(step, tool, closed, parts)
-        hidden = [transformed(part, to_tool) for part in self._whole[step.object]]
+        hidden = [move_points(part, to_tool) for part in self._whole[step.object]]
         return self._pads_fail(step, tool, before, closed, [*parts, *hidden])
 
     def rides(self, name: str, carrier: str, poses: Mapping[str, FloatArray]) -> bool:
@@ -76,7 +76,7 @@ class Grip:
         return bool(over and (own @ self._up).min() > (other @ self._up).min() - REACHED)
 
     def _corners(self, name: str, poses: Mapping[str, FloatArray]) -> FloatArray:
-        return transformed(np.vstack(self._parts[name]), poses[name])
+        return move_points(np.vstack(self._parts[name]), poses[name])
 
     def _cup_fails(self, step: Step, tool: str, closed: ToolState, parts: list[FloatArray]) -> str | None:
         ready = self.arm.tools[tool].ready.cup_extension
@@ -97,7 +97,7 @@ class Grip:
         if closed.opening > before.opening - OPENED:
             return f"the pads come in {1e3 * before.opening:.0f} mm apart and do not close"
         half = self.arm.tools[tool].gripper.closing_region(before.opening) / 2.0
-        points = np.vstack([*parts, sampled(parts, SPACING)])
+        points = np.vstack([*parts, sample(parts, SPACING)])
         between = points[(np.abs(points) <= half + SPACING * np.array([0.0, 1.0, 0.0])).all(axis=1)]
         if len(between) < FEWEST_BETWEEN and distance(half, parts) > REACHED:
             return f"nothing of {step.object} is between the pads"

@@ -14,8 +14,8 @@ from topple.planner.verify.tolerances import NEAR
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import moved
-from topple.topology.geometry.rigid import transformed
+from topple.topology.bodies.solids import move_parts
+from topple.topology.geometry.rigid import move_points
 
 ARRIVING = (SegmentKind.APPROACH, SegmentKind.GRASP, SegmentKind.LIFT)
 """Where the fingers may touch neighbours of what they take."""
@@ -51,7 +51,7 @@ def off_object(replay: Replay) -> Iterator[Finding]:
         to_tool = inverse(_ends(replay, piece)) @ piece.poses.get(piece.step.object, np.eye(4))
         gripper = replay.arm.tools[piece.segment.tool].gripper
         half = gripper.closing_region(piece.segment.hand.opening) / 2.0
-        yield piece.finds(distance(half, moved(replay.parts[piece.step.object], to_tool)))
+        yield piece.finds(distance(half, move_parts(replay.parts[piece.step.object], to_tool)))
 
 
 def off_attachment(replay: Replay) -> Iterator[Finding]:
@@ -109,8 +109,8 @@ def _next_to(replay: Replay, piece: Piece, other: str) -> bool:
     name = piece.step.object
     if piece.segment.kind not in ARRIVING[1:] or other not in piece.poses or name not in piece.before:
         return False
-    lay = moved(replay.parts[name], piece.before[name])
-    return _gap(lay, moved(replay.parts[other], piece.poses[other])) < NEAR
+    lay = move_parts(replay.parts[name], piece.before[name])
+    return _gap(lay, move_parts(replay.parts[other], piece.poses[other])) < NEAR
 
 
 def _gap(some: Sequence[FloatArray], others: Sequence[FloatArray]) -> float:
@@ -158,7 +158,7 @@ def short_of_clear(replay: Replay) -> Iterator[Finding]:
     """How much of the distance that a lift ends at from everything is lacking [m]."""
     for piece in _last_pieces(replay, Away.LIFT):
         own = replay.body(piece, piece.step.object)
-        gaps = (_gap(own, moved(replay.parts[other], pose)) for other, pose in piece.poses.items())
+        gaps = (_gap(own, move_parts(replay.parts[other], pose)) for other, pose in piece.poses.items())
         yield piece.finds(LIFT_CLEAR - min(gaps, default=np.inf))
 
 
@@ -174,7 +174,7 @@ def off_area(replay: Replay) -> Iterator[Finding]:
     """How far things stand out from the area that is vouched for [m]."""
     for piece in _last_pieces(replay, Away.ZONE):
         assert replay.plan.away is not None
-        own = transformed(np.vstack(replay.body(piece, piece.step.object)), inverse(_destination(replay)))
+        own = move_points(np.vstack(replay.body(piece, piece.step.object)), inverse(_destination(replay)))
         half = np.array(replay.plan.away.size[:2]) / 2.0
         yield piece.finds(float((np.abs(own[:, :2]).max(axis=0) - half).max()))
 

@@ -9,12 +9,12 @@ from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.placement.away import Away
 from topple.planner.tolerances import DISTURBED
-from topple.planner.transfer.prediction import rested
+from topple.planner.transfer.prediction import rest_at
 from topple.planner.verify.replay import Finding, Replay
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SURFACE
-from topple.topology.bodies.solids import moved
-from topple.topology.geometry.rigid import transformed
-from topple.topology.geometry.samples import sampled
+from topple.topology.bodies.solids import move_parts
+from topple.topology.geometry.rigid import move_points
+from topple.topology.geometry.samples import sample
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.situation.situation import Situation
 
@@ -110,7 +110,7 @@ def _derive(replay: Replay, situation: Situation) -> "tuple[Dependency, ...]":
     return DependencyGraph(full.names, tuple(left)).reduced().dependencies
 
 
-def unfounded(replay: Replay) -> Iterator[Finding]:
+def extra_dependencies(replay: Replay) -> Iterator[Finding]:
     """Dependencies that are not found again in what was seen, each with its reason and confidence.
 
     What a plan found of things that it had moved by then is looked for where its steps leave them.
@@ -142,7 +142,7 @@ def unfounded(replay: Replay) -> Iterator[Finding]:
         here = here.with_level_undersides() if index == 0 else here
         names = [step.object, *sorted(riding)]
         gone = place.how in tuple(Away)
-        here = here.without(*names) if gone else rested(here, names, pose, place.into is None)
+        here = here.without(*names) if gone else rest_at(here, names, pose, place.into is None)
         fixture.discard(step.object)
     for first, then in sorted(left):
         yield Finding(1.0, f"{first} before {then}", last.get(then, last.get(first, 0)))
@@ -185,7 +185,7 @@ def unmet(replay: Replay) -> Iterator[Finding]:
     scene = after = replay.scene
     names = {name for _, name in replay.taken}
     for name in names:
-        after = after.with_cloud(name, transformed(after.clouds[name], replay.poses[name]))
+        after = after.with_cloud(name, move_points(after.clouds[name], replay.poses[name]))
     goal, situation = parse_goal(replay.plan.goal, scene), Situation(after)
     yield from (
         Finding(1.0, text) for text in goal.unmet(situation.relations, scene.fixed, situation.supports)
@@ -199,7 +199,7 @@ def unmet(replay: Replay) -> Iterator[Finding]:
 def off_wanted(replay: Replay) -> Iterator[Finding]:
     """How far surfaces of bodies are from where they shall be in the end, where that was given [m]."""
     for name, wanted in replay.plan.poses.items():
-        surface = sampled(replay.wholes[name], SURFACE)  # seen is another half of it once it is turned
-        here, there = (moved((surface,), pose)[0] for pose in (replay.poses[name], np.array(wanted)))
+        surface = sample(replay.wholes[name], SURFACE)  # seen is another half of it once it is turned
+        here, there = (move_parts((surface,), pose)[0] for pose in (replay.poses[name], np.array(wanted)))
         ways = (PointTree(one).query(other)[0].max() for one, other in ((here, there), (there, here)))
         yield Finding(float(max(ways)), name)

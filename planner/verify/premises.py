@@ -48,7 +48,7 @@ def marks(replay: Replay) -> Iterator[Finding]:
 
 
 def sums_of_proofs(replay: Replay) -> Iterator[Finding]:
-    """What is said of the proofs of all motions, or of one, and cannot be."""
+    """Find statements about the proofs of all motions, or of one, that cannot be true."""
     parts = [piece.segment for piece in replay.pieces]
     if replay.plan.certified != all(part.certified for part in parts if part.motion is not None):
         yield Finding(1.0, f"certified: {replay.plan.certified}")
@@ -111,7 +111,7 @@ def fixed_in_one(replay: Replay) -> Iterator[Finding]:
 
 
 def unsaid_assumptions(replay: Replay) -> Iterator[Finding]:
-    """What scene and arm assume and the plan does not say."""
+    """Find assumptions of scene and arm that the plan does not state."""
     for words in (*replay.scene.assumptions, *replay.arm.assumptions):
         if words not in replay.plan.assumptions:
             yield Finding(1.0, words)

@@ -19,7 +19,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.poses import angle_between, inverse
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -131,7 +131,7 @@ class Replay:
 
     @property
     def situation(self) -> Situation:
-        """What was seen.
+        """The situation as seen.
 
         Raises:
             NoScene: It is not given.
@@ -145,12 +145,12 @@ class Replay:
         """The scene of the situation, likewise."""
         return self.situation.scene
 
-    def weighed(self) -> Scene | None:
+    def weighing_scene(self) -> Scene | None:
         """The scene for what was weighed and tried in it; None where none is given: everything is guessed."""
         return None if self._situation is None else self._situation.scene
 
     def once(self, make: "Callable[[Replay], Made]") -> Made:
-        """What several checks ask of a replay, made when the first of them does."""
+        """Make data that several checks ask of a replay when the first of them does."""
         if make not in self._made:
             self._made[make] = make(self)
         return self._made[make]
@@ -175,7 +175,7 @@ class Replay:
         """Convex parts (V, 3) of an object where it is as a piece ends, in the hand or not."""
         held = name in piece.held
         tool = self.tools(piece, piece.states[-1:])[0] if held else np.eye(4)
-        return moved(self.parts[name], tool @ (piece.held if held else piece.poses)[name])
+        return move_parts(self.parts[name], tool @ (piece.held if held else piece.poses)[name])
 
     def _follow(self) -> Iterator[Piece]:
         q = np.array(self.plan.q_start)
@@ -183,7 +183,7 @@ class Replay:
             before = {name: pose for name, pose in self.poses.items() if name not in self._gone}
             count, where = len(self.taken), f"step {index + 1} ({step.object})"
             for segment in step.segments:
-                piece = Piece(index, step, segment, q, resampled(segment, q, self.spacing), {}, {}, before)
+                piece = Piece(index, step, segment, q, resample(segment, q, self.spacing), {}, {}, before)
                 q = piece.states[-1]
                 if segment.kind == SegmentKind.GRASP:
                     self._take(piece)
@@ -240,7 +240,7 @@ class Replay:
             self.beside.append(piece.finds(1.0, f"it is not over {place.into}"))
 
     def _leave(self, piece: Piece, fall: FloatArray) -> None:
-        """What is in the hand is left where that is, but for a fall (3,) [m]; a step says where."""
+        """Leave the held objects where they are, but for a fall (3,) [m]; a step says where."""
         tool = self.base @ self.arm.tool_pose(piece.states[-1], self._tool)[0]
         declared = np.array(piece.step.placement.pose_before_to_after)
         for name, to_tool in self._held.items():
@@ -259,7 +259,7 @@ def off_by(a: FloatArray, b: FloatArray) -> float:
     return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), angle_between(a, b) / 10.0)
 
 
-def resampled(segment: Segment, q: FloatArray, spacing: float) -> FloatArray:
+def resample(segment: Segment, q: FloatArray, spacing: float) -> FloatArray:
     """States (m, n) along a segment's motion, `spacing` [rad] apart in the joint that moves most.
 
     Args:

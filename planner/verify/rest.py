@@ -9,12 +9,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from topple.planner.placement.proof import Settled, container_of, settled
+from topple.planner.placement.proof import Settled, container_of, settle
 from topple.planner.simulate.sandbox import Sandbox
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.clouds import beyond_all
 from topple.planner.verify.replay import Finding, Piece, Replay
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.geometry.sides import joggled_sides
 
 
@@ -31,16 +31,16 @@ def let_go(replay: Replay) -> tuple[tuple[Piece, Settled], ...]:
         )
         bodies = {other: replay.body(piece, other) for other in piece.poses if other not in riding}
         if place.into is None and inside is None:
-            bodies[name] = moved(replay.wholes[name], piece.poses[name])
+            bodies[name] = move_parts(replay.wholes[name], piece.poses[name])
         release = np.eye(4)
         release[:3, 3] += place.drop * up
         around, sandbox = None if inside is None else bodies[inside], sandbox.fill(name, bodies, up)
-        found.append((piece, settled(sandbox, release, np.eye(4), around, up)))
+        found.append((piece, settle(sandbox, release, np.eye(4), around, up)))
     return tuple(found)
 
 
 def _kept(replay: Replay, inside: bool) -> Iterator[tuple[Piece, Settled]]:
-    """What is not said to fall, of what is put into a container or of what is not."""
+    """Select releases that are not said to fall, into a container or not."""
     for piece, found in replay.once(let_go):
         if not piece.step.placement.falls and (found.outside is not None) == inside:
             yield piece, found
@@ -61,14 +61,14 @@ def out_of_container(replay: Replay) -> Iterator[Finding]:
     return (piece.finds(found.outside or 0.0) for piece, found in _kept(replay, inside=True))
 
 
-def excused(replay: Replay) -> Iterator[Finding]:
+def false_falls(replay: Replay) -> Iterator[Finding]:
     """Things that are said to fall and stay."""
     for piece, found in replay.once(let_go):
         if piece.step.placement.falls and found.within():
             yield piece.finds(1.0)
 
 
-def falling(replay: Replay) -> Iterator[str]:
+def falls(replay: Replay) -> Iterator[str]:
     """Say what falls as its step says."""
     for piece, found in replay.once(let_go):
         if piece.step.placement.falls:

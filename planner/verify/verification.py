@@ -73,17 +73,17 @@ class StepProofs:
 
     @property
     def proven(self) -> tuple[Proof, ...]:
-        """What is borne out."""
+        """Claims that were confirmed."""
         return tuple(proof for proof in self.proofs if proof.shown)
 
     @property
     def refuted(self) -> tuple[Proof, ...]:
-        """What is not so."""
+        """Claims that are false."""
         return tuple(proof for proof in self.proofs if proof.shown is False)
 
     @property
     def unchecked(self) -> tuple[Proof, ...]:
-        """What nothing was shown of, either way."""
+        """Claims that were neither confirmed nor refuted."""
         return tuple(proof for proof in self.proofs if proof.shown is None)
 
 
@@ -114,18 +114,18 @@ class Verification:
 
     @property
     def failed(self) -> tuple[Residual, ...]:
-        """What was checked and is not well."""
+        """Residuals that were evaluated and are beyond their limit."""
         return tuple(residual for residual in self.residuals if residual.evaluated and not residual.ok)
 
     @property
     def refuted(self) -> tuple[Proof, ...]:
-        """What the plan claims and is not so, of its steps and as a whole."""
+        """Claims of the plan that are false, of its steps and as a whole."""
         of_steps = (proof for step in self.steps for proof in step.refuted)
         return (*of_steps, *(proof for proof in self.whole if proof.shown is False))
 
     @property
     def left_out(self) -> tuple[Residual, ...]:
-        """What was not evaluated."""
+        """Residuals that were not evaluated."""
         return tuple(residual for residual in self.residuals if not residual.evaluated)
 
     def __getitem__(self, name: str) -> float:

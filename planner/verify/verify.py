@@ -10,7 +10,7 @@ from topple.planner.formats.plan_structs import ObjectData, PlanData
 from topple.planner.verify.claims import OF_PLANS, OF_STEPS, UNASKED, Claim
 from topple.planner.verify.hand import own_bodies
 from topple.planner.verify.replay import Replay
-from topple.planner.verify.rest import falling
+from topple.planner.verify.rest import falls
 from topple.planner.verify.sight import said
 from topple.planner.verify.tolerances import STEP
 from topple.planner.verify.verification import Proof, StepProofs, Verification
@@ -68,7 +68,7 @@ def verify(
     return Verification(
         tuple(residuals),
         sum(len(piece.states) for piece in replay.pieces),
-        (*falling(replay), *fixture_assumptions(plan.clamped), *(() if situation is None else said(replay))),
+        (*falls(replay), *fixture_assumptions(plan.clamped), *(() if situation is None else said(replay))),
         tuple(
             StepProofs(index, one.object, one.action, proofs(OF_STEPS, index))
             for index, one in enumerate(plan.steps)

@@ -17,10 +17,10 @@ from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.arm.kinematics import Chain, driven_joints, joint_value, pose_of_joint
 from topple.robots.arm.tolerances import STARTS
 from topple.robots.arm.urdf import Joint, Model, read_urdf
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.checks import numeric
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 CHUNK = 512  # targets asked about at once: their states and frames are some 100 MB
 
@@ -132,11 +132,11 @@ class Arm:
             name or model.name,
             model.path,
             tuple(joint.name for joint in joints),
-            frozen(lower),
-            frozen(upper),
-            frozen(speeds),
-            frozen(np.broadcast_to(np.asarray(acceleration, dtype=float), (n,))),
-            frozen((lower + upper) / 2 if home is None else home),
+            freeze(lower),
+            freeze(upper),
+            freeze(speeds),
+            freeze(np.broadcast_to(np.asarray(acceleration, dtype=float), (n,))),
+            freeze((lower + upper) / 2 if home is None else home),
             tuple(model.links),
             tools,
             model,
@@ -214,7 +214,7 @@ class Arm:
             (L, 4, 4) read-only.
         """
         if state not in self._offsets:
-            self._offsets[state] = frozen(self._offsets_at(self.hand_values(state)))
+            self._offsets[state] = freeze(self._offsets_at(self.hand_values(state)))
         return self._offsets[state]
 
     def joint_values(self, q: FloatArray, state: ToolState) -> dict[str, float]:
@@ -271,7 +271,7 @@ class Arm:
         hands = (self.open_hand, self.on_the_way(0.0)) if state is None else (state,)
         poses = [pose_base_to_world @ pose for hand in hands for pose in self.forward(values, hand)[0]]
         links = zip(poses, self.parts * len(hands), strict=True)
-        return tuple(transformed(part, pose) for pose, parts in links for part in parts)
+        return tuple(move_points(part, pose) for pose, parts in links for part in parts)
 
     def tool(self, name: str) -> Tool:
         """The tool called `name`.

@@ -11,7 +11,7 @@ from topple.robots.arm.shapes import find_mesh
 from topple.robots.scratch import Scratch
 
 
-def composed(source: Path, name: str, addition: str) -> Path:
+def compose_urdf(source: Path, name: str, addition: str) -> Path:
     """Write a URDF with links and joints added.
 
     Args:
@@ -30,10 +30,10 @@ def composed(source: Path, name: str, addition: str) -> Path:
         found = find_mesh(named, source) or source.parent / named.removeprefix("package://")
         mesh.set("filename", str(found))
     robot.extend(ElementTree.fromstring(f"<robot>{addition}</robot>"))
-    return stored(ElementTree.tostring(robot, encoding="unicode"), name, ".urdf")
+    return scratch_file(ElementTree.tostring(robot, encoding="unicode"), name, ".urdf")
 
 
-def stored(text: str, name: str, suffix: str) -> Path:
+def scratch_file(text: str, name: str, suffix: str) -> Path:
     """Write a file into a temporary folder that ends with the process.
 
     Args:

@@ -111,12 +111,12 @@ class SuctionCup(Gripper):
         return None if robot.suck() else f"the cup found no seal on {name}."
 
     def data(self) -> dict[str, Any]:
-        """What a plan says of it."""
+        """Describe the tool for a plan."""
         kept = ("link", "joint", "stroke", "radius", "lip_depth", "friction")
         return {"cup": {**{key: getattr(self, key) for key in kept}, "force": self.max_force}}
 
     def facts(self) -> dict[str, Any]:
-        """What `topple robot --json` says of it."""
+        """Describe the tool for `topple robot --json`."""
         return {"kind": "cup", "radius": self.radius, "stroke": self.stroke, "force": self.max_force}
 
     def __str__(self) -> str:

@@ -78,7 +78,7 @@ class Gripper(ABC):
 
     @property
     def cup(self) -> Any:
-        """What of it a world switches on, to hold by its face, a `topple.robots.arm.cup.SuctionCup`."""
+        """The cup to switch on to hold by a face, a `topple.robots.arm.cup.SuctionCup`; None without one."""
         return None
 
     def pads(self, width: float) -> FloatArray:
@@ -99,11 +99,11 @@ class Gripper(ABC):
 
     @abstractmethod
     def data(self) -> dict[str, Any]:
-        """What a plan says of it, under a key of its tool: `jaw`, `cup`, or `more` for another kind."""
+        """Describe the tool for a plan, under a key of its own: `jaw`, `cup`, or `more` for another kind."""
 
     @abstractmethod
     def facts(self) -> dict[str, Any]:
-        """What `topple robot --json` says of it, its `kind` among that."""
+        """Describe the tool for `topple robot --json`, its `kind` included."""
 
     @abstractmethod
     def __str__(self) -> str:

@@ -14,7 +14,7 @@ from topple.robots.arm.tolerances import CUP_FRICTION, MOST_BYTES
 from topple.robots.arm.urdf import Model
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.io.limits import opened
+from topple.topology.io.limits import open_file
 
 EXAMPLE = (
     '[cup] with link = "LINK", offset = [0, 0, 0.1] and radius = 0.015, or [jaw] with joints = ["JOINT"]'
@@ -136,7 +136,7 @@ def read_gripper(path: str | Path) -> GripperFile:
     tomllib: Any = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
     path = Path(path)
     try:
-        with opened(path, str(path)) as file:
+        with open_file(path, str(path)) as file:
             content = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise InvalidInput(
@@ -154,7 +154,7 @@ def read_gripper(path: str | Path) -> GripperFile:
         gripper = msgspec.convert(document, GripperFile)
     except msgspec.ValidationError as error:
         raise InvalidInput(f"{path}: {error}") from error
-    checked(gripper, str(path))
+    check_values(gripper, str(path))
     hand = gripper.hand
     if hand is not None and hand.urdf.endswith(".urdf"):
         found = path.parent / Path(hand.urdf).expanduser()
@@ -162,7 +162,7 @@ def read_gripper(path: str | Path) -> GripperFile:
     return gripper
 
 
-def checked(gripper: GripperFile, where: str) -> None:
+def check_values(gripper: GripperFile, where: str) -> None:
     """Refuse values that types cannot exclude.
 
     Args:

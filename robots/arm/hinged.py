@@ -64,11 +64,11 @@ class HingedJaw(ParallelJaw):
         return found
 
     def data(self) -> dict[str, Any]:
-        """What a plan says of it."""
+        """Describe the tool for a plan."""
         return {"jaw": {**super().data()["jaw"], "beside": BESIDE}}
 
     def facts(self) -> dict[str, Any]:
-        """What `topple robot --json` says of it."""
+        """Describe the tool for `topple robot --json`."""
         return {**super().facts(), "hinged": True}
 
     def __str__(self) -> str:

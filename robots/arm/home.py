@@ -22,7 +22,7 @@ from topple.robots.arm.tolerances import (
     USUAL_REACH,
 )
 from topple.robots.collision.separation import Candidates, Frames, gaps
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 
 
 def home_of(arm: Arm, tool: str | None) -> FloatArray:
@@ -90,7 +90,7 @@ def workplace_of(arm: Arm) -> FloatArray:
     if np.linalg.norm(shoulder[:2]) > ASIDE * reach:
         pose[:2, 3] = shoulder[:2]
     pose[2, 3] = level_of(arm, reach)
-    return frozen(pose)
+    return freeze(pose)
 
 
 def shoulder_of(arm: Arm) -> FloatArray:

@@ -104,7 +104,7 @@ def _solve(
     tolerances: InverseTolerances,
     point: FloatArray,
 ) -> tuple[FloatArray, IntArray]:
-    """What `solve` gives, by the kernel."""
+    """Solve as `solve` does, with the kernel."""
     within = np.array([
         tolerances.position, tolerances.rotation, tolerances.deficient_position, tolerances.deficient_rotation
     ])  # fmt: skip

@@ -148,7 +148,7 @@ class ParallelJaw(Gripper):
         return None
 
     def data(self) -> dict[str, Any]:
-        """What a plan says of it."""
+        """Describe the tool for a plan."""
         jaw: dict[str, Any] = {
             "joints": list(self.joints), "links": list(self.links), "openings": self.openings.tolist(),
             "joint_values": self.joint_values.tolist(), "force": self.force, "pad_size": self.pad_size,
@@ -157,7 +157,7 @@ class ParallelJaw(Gripper):
         return {"jaw": jaw if self.arc is None else {**jaw, "arc": self.arc.tolist()}}
 
     def facts(self) -> dict[str, Any]:
-        """What `topple robot --json` says of it."""
+        """Describe the tool for `topple robot --json`."""
         return {
             "kind": "jaw",
             "hinged": False,

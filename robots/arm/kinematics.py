@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.robots.arm.tolerances import ROUNDING
 from topple.robots.arm.urdf import Joint, Model
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
 from topple.topology.geometry.axes import cross
 from topple.topology.kernels.compiled import address, kernels
@@ -70,7 +70,7 @@ class Chain:
         revolute = np.array([joint.kind != "prismatic" for joint in joints], dtype=np.bool_)
         revolute.setflags(write=False)
         axes = np.array([joint.axis for joint in joints]).reshape(-1, 3)
-        return Chain(frozen(k0), frozen(k1), frozen(k2), frozen(axes), revolute, frozen(lower), frozen(upper))
+        return Chain(freeze(k0), freeze(k1), freeze(k2), freeze(axes), revolute, freeze(lower), freeze(upper))
 
     def frames(self, q: FloatArray) -> FloatArray:
         """Poses of all joint frames.

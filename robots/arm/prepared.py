@@ -13,19 +13,19 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.robots.arm.compose import stored
+from topple.robots.arm.compose import scratch_file
 from topple.robots.arm.shapes import find_mesh
 from topple.robots.arm.tolerances import DENSITY, EFFORT, SPEED, TORQUE, TURNING
 from topple.robots.arm.urdf import Model, model_of
 from topple.robots.collision.convex import hull_of
 from topple.topology.base.arrays import FloatArray, IntArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 SHOWN = (".obj", ".stl", ".dae")  # visual meshes that PyBullet draws
 LIGHTEST, HEAVIEST = 0.01, 20.0  # [kg] of such a link
 
 
-def prepared(
+def prepare_urdf(
     robot: ElementTree.Element, path: Path, groups: Mapping[str, tuple[str, ...]], fine: Collection[str] = ()
 ) -> tuple[Path, tuple[str, ...]]:
     """Write a URDF that PyBullet loads as it was read.
@@ -62,7 +62,7 @@ def prepared(
     for material in made.iter("material"):
         for texture in material.findall("texture"):
             material.remove(texture)
-    return stored(ElementTree.tostring(made, encoding="unicode"), _plain(name), ".urdf"), tuple(assumed)
+    return scratch_file(ElementTree.tostring(made, encoding="unicode"), _plain(name), ".urdf"), tuple(assumed)
 
 
 def _carrying_links(model: Model, groups: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, FloatArray]]:
@@ -91,7 +91,7 @@ def _link(
     own = [] if name in carried else list(model.links[name].parts)
     for link, (carrier, pose) in carried.items():
         if carrier == name:
-            own += [transformed(part, pose) for part in model.links[link].parts]
+            own += [move_points(part, pose) for part in model.links[link].parts]
     hulls = [hull_of(part) for part in own if len(part)]
     inertial = element.find("inertial")
     if inertial is not None and _has_mass(inertial):
@@ -164,7 +164,7 @@ def _joint(element: ElementTree.Element, slow: list[str], weak: list[str]) -> El
 def _mesh_file(vertices: FloatArray, faces: IntArray) -> Path:
     lines = [f"v {x:.7g} {y:.7g} {z:.7g}" for x, y, z in vertices]
     lines += [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
-    return stored("\n".join(lines) + "\n", "hull", ".obj")
+    return scratch_file("\n".join(lines) + "\n", "hull", ".obj")
 
 
 def _plain(name: str) -> str:

@@ -132,7 +132,7 @@ def _packages(package: str, path: Path) -> Iterator[Path]:
 
 
 def missing_meshes(names: Sequence[str], path: Path) -> str:
-    """What to say of meshes of a URDF that are not there or cannot be read."""
+    """Say which meshes of a URDF are not there or cannot be read, and where they were looked for."""
     said = f"{path.name}: missing or unreadable collision meshes: {'; '.join(names)}"
     packages = sorted(
         {name.removeprefix(PACKAGE).split("/")[0] for name in names if name.startswith(PACKAGE)}

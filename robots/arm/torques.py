@@ -71,7 +71,7 @@ def strain(
 def gravity_torques(
     arm: Arm, q: FloatArray, up: FloatArray, mass: float, centre: Sequence[float] | FloatArray
 ) -> FloatArray:
-    """What each joint bears as the arm stands still, as for `strain`: (m, n) in [N m] or [N]."""
+    """Compute the load of each joint as the arm stands still, as for `strain`: (m, n) in [N m] or [N]."""
     masses, moments = _lumps(arm)
     masses, moments = masses.copy(), moments.copy()
     masses[-1] += mass

@@ -20,9 +20,9 @@ from topple.robots.arm.shapes import geometry_parts, missing_meshes
 from topple.robots.arm.tolerances import FULL_TURN, LIKELY_DEGREES, LONGEST, MOST_BODIES
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.tolerances import FINE, GAIN
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.limits import read_bytes
 
 DRIVABLE = ("revolute", "continuous", "prismatic")
@@ -343,8 +343,8 @@ def _read_joint(element: ElementTree.Element, path: Path) -> Joint:
         kind,
         str(parent.get("link")),
         str(child.get("link")),
-        frozen(origin_of(element, where)),
-        frozen(axis / length if length > 0 else axis),
+        freeze(origin_of(element, where)),
+        freeze(axis / length if length > 0 else axis),
         lower,
         upper,
         number(bounds.get("velocity"), 0.0, where),
@@ -372,7 +372,7 @@ def _read_link(element: ElementTree.Element, path: Path, missing: list[str], gai
             if not max(np.abs(vertices).max(initial=0.0), np.abs(pose[:3, 3]).max()) < LONGEST:  # nan is not
                 raise InvalidInput(f"{where} has a collision shape beyond {LONGEST:g} m: expected metres")
             try:
-                parts.append(frozen(hull_of(transformed(vertices, pose))[0]))
+                parts.append(freeze(hull_of(move_points(vertices, pose))[0]))
             except QhullError as error:
                 raise InvalidInput(f"{where} has a collision shape that has no hull") from error
     return Link(name, tuple(parts), _read_inertial(element.find("inertial"), f"{path.name}: link {name!r}"))
@@ -390,4 +390,4 @@ def _read_inertial(element: ElementTree.Element | None, where: str) -> Inertial 
     except InvalidInput:  # no number is as good as none: it is estimated then, as PyBullet is given it
         return None
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Inertial(value, frozen(pose), frozen(tensor)) if value > 0.0 else None
+    return Inertial(value, freeze(pose), freeze(tensor)) if value > 0.0 else None

@@ -16,7 +16,7 @@ from topple.robots.arm.tolerances import BARE, DARKEST, FINEST, SCREWS
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.collision.convex import hull_of
 from topple.topology.base.arrays import FloatArray, IntArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 log = logging.getLogger(__name__)
 
@@ -98,7 +98,7 @@ def _visuals_of(visual: tuple[Element, FloatArray | None], path: Path) -> Iterat
         ):  # white is what a file's own are drawn on
             colour = own[:3]
         red, green, blue = np.maximum(colour, DARKEST).round().astype(int).tolist()
-        vertices = transformed(transformed(np.asarray(mesh.vertices), there) * scale, pose)
+        vertices = move_points(move_points(np.asarray(mesh.vertices), there) * scale, pose)
         yield Visual(vertices, np.asarray(mesh.faces), (red, green, blue))
 
 

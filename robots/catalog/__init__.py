@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.compose import composed
+from topple.robots.arm.compose import compose_urdf
 from topple.robots.arm.cup import SuctionCup
 from topple.robots.arm.gripper import FINGERS, SUCTION, Tool, ToolState
 from topple.robots.arm.gripper_file import Cup, GripperFile, Jaw
 from topple.robots.arm.jaw import ParallelJaw
 from topple.robots.catalog.data import data_path, panda_file
-from topple.robots.catalog.described import DESCRIPTIONS, described
+from topple.robots.catalog.described import DESCRIPTIONS, find_urdf
 from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
@@ -83,7 +83,7 @@ def robot(
         if srdf is not None or group is not None:
             raise InvalidInput(f"{name} is known whole: an SRDF goes with the path of a .urdf file")
         return _by_name(str(name))
-    path = name if str(name).endswith((".urdf", ".xml")) else described(str(name))
+    path = name if str(name).endswith((".urdf", ".xml")) else find_urdf(str(name))
     if path is not None:
         return arm_from_file(path, gripper, srdf=srdf, group=group)
     raise InvalidInput(
@@ -160,7 +160,7 @@ def iiwa() -> Arm:
     """KUKA's LBR iiwa 7 with a WSG50 hand."""
     source = data_path() / "kuka_iiwa" / "model.urdf"
     flange = 0.045  # [m] mounting face on the last link
-    urdf = composed(source, "iiwa", wsg50_xml(data_path(), "lbr_iiwa_link_7", flange))
+    urdf = compose_urdf(source, "iiwa", wsg50_xml(data_path(), "lbr_iiwa_link_7", flange))
     fingers = wsg50_fingers()
     arm = Arm.from_urdf(
         urdf,

@@ -11,7 +11,7 @@ DESCRIPTIONS = {
 """Distribution -> its folder of URDFs. Their files are read, their code is not run."""
 
 
-def described(name: str) -> Path | None:
+def find_urdf(name: str) -> Path | None:
     """The URDF of that name that an installed package ships; None where none does.
 
     Args:

@@ -20,12 +20,12 @@ from topple.robots.arm.gripper_file import (
     Hand,
     Jaw,
     check_names,
-    checked,
+    check_values,
     pose_of_offset,
     read_gripper,
 )
 from topple.robots.arm.home import home_of
-from topple.robots.arm.prepared import prepared
+from topple.robots.arm.prepared import prepare_urdf
 from topple.robots.arm.shapes import geometry_parts
 from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
 from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, SHORTEST_ROD
@@ -33,7 +33,7 @@ from topple.robots.arm.torques import springs
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.catalog.data import data_path
-from topple.robots.catalog.described import described
+from topple.robots.catalog.described import find_urdf
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.tolerances import GAIN
 from topple.robots.hands.fingers import Fingers, find_fingers, lone_finger, palm_of, rigid_groups
@@ -99,7 +99,7 @@ def arm_from_file(
         design, origin = _cup_design(wanted.cup)
         robot.extend(ElementTree.fromstring(f"<robot>{cup_xml(design, wanted.cup.link, origin)}</robot>"))
         tools[SUCTION] = _suction(wanted.cup, design, jaw)
-    made, estimated = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers), fine)
+    made, estimated = prepare_urdf(robot, path, {} if fingers is None else rigid_groups(model, fingers), fine)
     frame = _tool_frame(model, fingers, wanted)
     kinds = [joint.kind for joint in model.path_to(frame) if joint.kind != "fixed"]
     acceleration = [ACCELERATION.get(kind, ANGULAR_ACCELERATION) for kind in kinds]
@@ -201,7 +201,7 @@ def check_tool(arm: Arm) -> None:
 
 
 def tool_advice(arm: Arm) -> str:
-    """What to write in a gripper file for an arm that has no tool."""
+    """Advise what to write in a gripper file for an arm that has no tool."""
     line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
     finger = lone_finger(arm.model)
     missing = (
@@ -223,17 +223,17 @@ def _last(arm: Arm) -> str:
 
 
 def _gripper(gripper: str | Path | GripperFile | Jaw | Cup | None) -> tuple[GripperFile, str]:
-    """What was given, and what to call it in messages."""
+    """Read a gripper in any of the accepted forms; also its name in messages."""
     if gripper is None:
         return GripperFile(), "gripper"
     if isinstance(gripper, str | Path):
         named = str(gripper) == WSG50 or str(gripper).endswith(".urdf")
-        hand = gripper if named else described(str(gripper))
+        hand = gripper if named else find_urdf(str(gripper))
         found = read_gripper(gripper) if hand is None else GripperFile(hand=Hand(urdf=str(hand)))
         return found, str(gripper)
     if not isinstance(gripper, GripperFile):  # one part of it, under its name
         gripper = msgspec.structs.replace(GripperFile(), **{type(gripper).__name__.lower(): gripper})
-    checked(gripper, "gripper")
+    check_values(gripper, "gripper")
     return gripper, "gripper"
 
 

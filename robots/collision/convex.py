@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.collision.tolerances import REDUCTION
-from topple.topology.base.arrays import FloatArray, IntArray, frozen, rounded
+from topple.topology.base.arrays import FloatArray, IntArray, freeze, round_off
 from topple.topology.geometry.axes import cross
 
 
@@ -22,7 +22,7 @@ def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:
     Returns:
         (V, 3) vertices and (F, 3) indices, counterclockwise seen from outside.
     """
-    points = rounded(points).reshape(-1, 3)
+    points = round_off(points).reshape(-1, 3)
     try:
         hull = ConvexHull(points)
     except QhullError:
@@ -42,7 +42,7 @@ def _thicken(points: FloatArray) -> FloatArray:
     return (points[:, None, :] + corners).reshape(-1, 3)
 
 
-def reduced(vertices: FloatArray, tolerance: float = REDUCTION) -> tuple[FloatArray, float]:
+def reduce_hull(vertices: FloatArray, tolerance: float = REDUCTION) -> tuple[FloatArray, float]:
     """A subset of hull vertices whose hull comes within a tolerance of all of them.
 
     Args:
@@ -61,7 +61,7 @@ def reduced(vertices: FloatArray, tolerance: float = REDUCTION) -> tuple[FloatAr
 def _reduce(data: bytes, tolerance: float) -> tuple[FloatArray, float]:
     vertices = np.frombuffer(data).reshape(-1, 3)
     if len(vertices) <= 16:
-        return frozen(vertices), 0.0
+        return freeze(vertices), 0.0
     directions = np.array(
         [[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z]
     )
@@ -70,7 +70,7 @@ def _reduce(data: bytes, tolerance: float) -> tuple[FloatArray, float]:
         try:
             hull = ConvexHull(vertices[kept])
         except QhullError:
-            return frozen(vertices), 0.0
+            return freeze(vertices), 0.0
         planes: FloatArray = hull.equations
         beyond = (vertices @ planes[:, :3].T + planes[:, 3]).max(axis=1)
         worst = int(np.argmax(beyond))
@@ -79,7 +79,7 @@ def _reduce(data: bytes, tolerance: float) -> tuple[FloatArray, float]:
         kept.append(worst)
     outside = np.flatnonzero(beyond > 1e-9)
     error = _largest_distance(vertices[outside], hull.points[hull.simplices])
-    return frozen(vertices[kept]), error
+    return freeze(vertices[kept]), error
 
 
 def _largest_distance(points: FloatArray, triangles: FloatArray) -> float:
@@ -113,10 +113,10 @@ def _sphere(data: bytes) -> tuple[FloatArray, float]:
     for k in range(2, 100):  # Badoiu and Clarkson: walk towards the farthest point in shrinking steps
         away = points - centre
         centre = centre + away[np.einsum("ij,ij->i", away, away).argmax()] / k
-    return frozen(centre), float(np.linalg.norm(points - centre, axis=1).max())
+    return freeze(centre), float(np.linalg.norm(points - centre, axis=1).max())
 
 
-def padded(sets: list[FloatArray]) -> NDArray[np.float32]:
+def pad_sets(sets: list[FloatArray]) -> NDArray[np.float32]:
     """Vertex sets of different sizes as one array, short ones filled with their first vertex.
 
     Args:

@@ -43,7 +43,7 @@ class _Piece:
         return best
 
     def parts(self) -> list["_Piece"]:
-        """What the best cut makes of it."""
+        """Split the piece by its best cut."""
         _, axis, at = self.cut
         return [_Piece(_beyond(self.triangles, axis, at, side), self.axes | {axis}) for side in (-1.0, 1.0)]
 
@@ -75,7 +75,7 @@ def _volume(triangles: FloatArray) -> float:
 
 
 def _beyond(triangles: FloatArray, axis: int, at: float, side: float) -> FloatArray:
-    """What of (T, 3, 3) triangles lies on one side of a plane across an axis; what lies in it does not."""
+    """Clip (T, 3, 3) triangles to one side of a plane across an axis; those in the plane are left out."""
     depth = side * (triangles[:, :, axis] - at)
     beyond = depth.max(axis=1) > IN_PLANE
     triangles, depth = triangles[beyond], depth[beyond]

@@ -47,7 +47,7 @@ def prisms(vertices: FloatArray, slabs: tuple[float, ...]) -> tuple[Prism, ...]:
     return tuple(found)
 
 
-def filled(prisms: Sequence[Prism], length: float, layers: int) -> FloatArray:
+def fill_prisms(prisms: Sequence[Prism], length: float, layers: int) -> FloatArray:
     """Points (N, 3) in prisms, from their fronts some metres back [m]."""
     grids = [
         np.meshgrid(

@@ -15,7 +15,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from topple.robots.tolerances import TOLERANCES
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.geometry.sides import beyond, sides_of
 
 REMEMBERED = 256  # bodies: some kilobytes each
@@ -62,7 +62,7 @@ def _cores(known: tuple[bytes, ...]) -> Core:
                 _shrunk(part, plane, np.where(faces, margin, 0.0))
                 for part, plane, faces in zip(parts, planes, outer, strict=True)
             ]
-            return Core(tuple(frozen(part) for part in shrunk), margin)
+            return Core(tuple(freeze(part) for part in shrunk), margin)
         except QhullError:  # a part too thin in a direction that none of its faces shows
             margin /= 2
     return Core(tuple(parts), 0.0)

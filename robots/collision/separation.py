@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.robots.collision.convex import bounding_sphere, padded, reduced
+from topple.robots.collision.convex import bounding_sphere, pad_sets, reduce_hull
 from topple.robots.collision.tolerances import ROUNDING
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.kernels.compiled import address, kernels
@@ -53,8 +53,8 @@ class ConvexSets:
             sets: P arrays (V, 3) of hull vertices, each in its frame.
             frames: The frame of each.
         """
-        kept = [reduced(vertices) for vertices in sets]
-        vertices = padded([vertices for vertices, _ in kept])
+        kept = [reduce_hull(vertices) for vertices in sets]
+        vertices = pad_sets([vertices for vertices, _ in kept])
         spheres = [bounding_sphere(vertices) for vertices in sets]
         return ConvexSets(
             np.array(frames, dtype=np.int64),
@@ -158,7 +158,7 @@ def gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: i
 
 
 def _gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: int) -> Float32Array:
-    """What the kernel finds."""
+    """Bound the gap of each pair from below, as the kernel does."""
     best = np.full(len(candidates.state), -np.inf, dtype=np.float32)
     open_ = np.arange(len(best))
     both = _Placed.of(sets, frames, candidates)

@@ -13,7 +13,7 @@ from msgspec import Meta
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.values import ByValue
 
 # (n,) and (m, n) numbers, in a file a list and a list of lists
@@ -33,7 +33,7 @@ class Trajectory(ByValue):
 
     def __post_init__(self) -> None:
         for each in fields(self):
-            object.__setattr__(self, each.name, frozen(getattr(self, each.name)))
+            object.__setattr__(self, each.name, freeze(getattr(self, each.name)))
 
     def __iter__(self) -> Iterator[FloatArray]:
         return iter((self.times, self.positions, self.velocities))

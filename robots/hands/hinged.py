@@ -16,7 +16,7 @@ from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.kinematics import pose_of_joint
 from topple.robots.arm.urdf import Joint, Model
 from topple.robots.collision.convex import section
-from topple.robots.hands.jaws import snapped
+from topple.robots.hands.jaws import snap_to_axis
 from topple.robots.hands.tolerances import (
     EDGE,
     FORCE,
@@ -33,7 +33,7 @@ from topple.robots.hands.tolerances import (
     WIDEST_TURN,
 )
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 def last_hinge(model: Model) -> Joint | None:
@@ -63,30 +63,30 @@ def hinged_jaw(model: Model, joint: Joint, given: Jaw | None = None) -> Tool | N
     hinge, axis = joint.pose_child_to_parent[:3, 3], joint.pose_child_to_parent[:3, :3] @ joint.axis
     fixed = [part - hinge for part in fixed]
 
-    def turned(value: float) -> list[FloatArray]:
-        return [transformed(part, pose_of_joint(joint, value)) - hinge for part in moving]
+    def turn_to(value: float) -> list[FloatArray]:
+        return [move_points(part, pose_of_joint(joint, value)) - hinge for part in moving]
 
-    tips = [_farthest(turned(value), axis) for value in (joint.lower, joint.upper)]
+    tips = [_farthest(turn_to(value), axis) for value in (joint.lower, joint.upper)]
     reach = [max(float((part @ tip).max()) for part in fixed) / float(tip @ tip) for tip in tips]
     (shut, tip), wide = (joint.lower, tips[0]), joint.upper
     if reach[1] > reach[0]:
         (shut, tip), wide = (joint.upper, tips[1]), joint.lower
     if np.linalg.norm(tip) < LEAST_FINGER or max(reach) < SHORTER:
         return None
-    out = snapped(tip)
+    out = snap_to_axis(tip)
     out = out - axis * float(out @ axis)
     across = np.sign(wide - shut) * np.cross(axis, out / np.linalg.norm(out))
     turn = np.column_stack([np.cross(across, out), across, out])
     turn = turn / np.linalg.norm(turn, axis=0)
-    own, lean = _in(turn, fixed), _lean(_in(turn, turned(shut)), float(np.linalg.norm(tip)))
+    own, lean = _in(turn, fixed), _lean(_in(turn, turn_to(shut)), float(np.linalg.norm(tip)))
     most = shut + np.sign(wide - shut) * min(abs(wide - shut), max(LEAN - lean, 0.0))
-    end = max(float(part[:, 2].max()) for part in _in(turn, turned(most)))
+    end = max(float(part[:, 2].max()) for part in _in(turn, turn_to(most)))
     tip_of_both = max(float(part[:, 2].max()) for part in own) - EDGE
     levels = np.linspace(end - HINGED_PAD, tip_of_both, LEVELS)
     zone = levels[levels <= end]
     face = float(np.nanmax(_side(own, levels, 1.0), initial=-np.inf))
     values = np.linspace(shut, most, HINGE_STATES)
-    states = [_in(turn, turned(float(value))) for value in values]
+    states = [_in(turn, turn_to(float(value))) for value in values]
     gaps = np.array([np.nanmin(_side(state, levels, -1.0), initial=np.inf) for state in states]) - face
     keep = np.flatnonzero((gaps > -OVERLAP) & np.isfinite(gaps))
     keep = keep[max(np.count_nonzero(gaps[keep] <= 0.0) - 1, 0) :]  # closed in one state

@@ -32,7 +32,7 @@ from topple.robots.hands.tolerances import (
 from topple.robots.poses import inverse
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool:
@@ -53,7 +53,7 @@ def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> To
     given = given or Jaw(joints=list(fingers.drivers))
     hand = _Hand(model, fingers)
     if given.links is None:
-        links = hand.facing()
+        links = hand.closing_pair()
     else:
         links = (hand.carrier(given.links[0]), hand.carrier(given.links[1]))
     if links is None:
@@ -105,7 +105,7 @@ class _Hand:
         for link in self._groups[carrier][1:]:
             joint = self._model.joints[link]
             poses[link] = poses[joint.parent] @ joint.pose_child_to_parent
-            found += [transformed(part, poses[link]) for part in self._model.links[link].parts]
+            found += [move_points(part, poses[link]) for part in self._model.links[link].parts]
         return found
 
     def _parts(self, carrier: str, values: Mapping[str, float]) -> list[FloatArray]:
@@ -114,7 +114,7 @@ class _Hand:
         while link != self._fingers.palm:
             joint = self._model.joints[link]
             pose, link = pose_of_joint(joint, joint_value(joint, values)) @ pose, joint.parent
-        return [transformed(part, pose) for part in self._shape(carrier)]
+        return [move_points(part, pose) for part in self._shape(carrier)]
 
     def _middle(self, carrier: str, values: Mapping[str, float]) -> FloatArray:
         """Middle of a group's extent (3,) in the palm's frame."""
@@ -127,7 +127,7 @@ class _Hand:
             found = [{**values, joint.name: end} for values in found for end in (joint.lower, joint.upper)]
         return found
 
-    def facing(self) -> tuple[str, str] | None:
+    def closing_pair(self) -> tuple[str, str] | None:
         """The two groups farthest out of the palm that move towards each other, None where there are none."""
         shaped = [carrier for carrier in self._groups if len(self._shape(carrier))]
         best: tuple[float, tuple[str, str]] | None = None
@@ -185,11 +185,11 @@ class _Hand:
         across -= self._middle(first, shut) - self._middle(second, shut)
         if np.linalg.norm(across) < LEAST_STROKE:
             self._refuse("do not move against each other:")
-        across = snapped(across)
+        across = snap_to_axis(across)
         if float((self._middle(first, wide) - self._middle(second, wide)) @ across) < 0.0:
             first, second = second, first
         between = (self._middle(first, wide) + self._middle(second, wide)) / 2.0 - self._palm_middle()
-        out = snapped(between - across * float(across @ between))
+        out = snap_to_axis(between - across * float(across @ between))
         out -= across * float(across @ out)
         out /= np.linalg.norm(out)
         turn = np.column_stack([np.cross(across, out), across, out])
@@ -300,7 +300,7 @@ class _Hand:
         return joint_value(self._model.joint(name), values)
 
     def _force(self, gaps: FloatArray, states: Sequence[Mapping[str, float]]) -> float:
-        """What the joint's effort gives at the pads [N]: of a turning joint over its lever."""
+        """Convert the joint's effort to a force at the pads [N]: of a turning joint over its lever."""
         joint = self._drivers[0]
         if not joint.effort > 0.0:
             return FORCE
@@ -332,7 +332,7 @@ def _above(points: FloatArray, z: float) -> FloatArray:
     return np.concatenate([points[points[:, 2] > z], section(points, z)])
 
 
-def snapped(direction: FloatArray) -> FloatArray:
+def snap_to_axis(direction: FloatArray) -> FloatArray:
     """A unit direction, that of an axis where one is near."""
     unit = direction / np.linalg.norm(direction)
     axis = int(np.argmax(np.abs(unit)))

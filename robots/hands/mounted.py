@@ -97,7 +97,7 @@ def mount(robot: ElementTree.Element, name: str, hand: Hand, link: str, data: Pa
 
 
 def _prefix(robot: ElementTree.Element, added: ElementTree.Element) -> str:
-    """What to put before the hand's names so that none is the arm's too."""
+    """Find a prefix with which none of the hand's names is one of the arm's too."""
     taken = {(element.tag, element.get("name")) for element in robot}
     names = [(e.tag, str(e.get("name"))) for e in added if e.tag in ("link", "joint", "material")]
     prefix = ""

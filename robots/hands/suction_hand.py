@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from topple.robots.arm.compose import composed
+from topple.robots.arm.compose import compose_urdf
 
 CUP_LINK = "suction_cup"
 CUP_JOINT = "suction_cup_joint"
@@ -67,7 +67,7 @@ def panda_with_cup(panda: Path, design: CupDesign) -> Path:
         panda: The Panda's URDF.
         design: Dimensions of the cup.
     """
-    return composed(panda, "panda-suction", cup_xml(design, "panda_hand"))
+    return compose_urdf(panda, "panda-suction", cup_xml(design, "panda_hand"))
 
 
 def cup_xml(design: CupDesign, link: str, origin: str = "") -> str:

@@ -50,7 +50,7 @@ class MujocoArm(ActingArm):
         return np.array([data.qpos[self._at(name)[0]] for name in names])
 
     def efforts(self, names: Sequence[str]) -> Sequence[float]:
-        """What the motors of some joints of the hand exert in [N m] or [N]."""
+        """Efforts of the motors of some joints of the hand in [N m] or [N]."""
         _, data = self.world.state
         return [float(data.actuator(f"robot {name}").force[0]) for name in names]
 

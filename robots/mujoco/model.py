@@ -63,7 +63,7 @@ class Blueprint:
         default_factory=dict[tuple[str, str | None], tuple[FloatArray, FloatArray]]
     )
 
-    def compiled(self, time_step: float) -> tuple[Any, dict[str, Shape]]:
+    def compile_model(self, time_step: float) -> tuple[Any, dict[str, Shape]]:
         """MuJoCo's model, and what collides in it by name.
 
         Args:
@@ -101,7 +101,7 @@ class Blueprint:
 
 
 def _add_pair(spec: Any, a: Shape, b: Shape) -> None:
-    """What two shapes do where they touch, as PyBullet has it; see `topple.robots.mujoco.rolling`, too."""
+    """Set the contact of two shapes as PyBullet has it; see `topple.robots.mujoco.rolling`, too."""
     slide, spin, roll = combined_friction(a.frictions, b.frictions)
     spec.add_pair(
         geomname1=a.name, geomname2=b.name, condim=6 if a.robot or b.robot else 3,
@@ -126,7 +126,7 @@ def _add_weld(spec: Any, name: str, link: str | None, pose: FloatArray, point: F
 
 
 def weld_name(name: str, link: str | None) -> str:
-    """What the weld of a body to a link, or to the world, is called in the model."""
+    """Name the weld of a body to a link, or to the world, in the model."""
     return f"weld {name} {'' if link is None else link}"
 
 

@@ -38,13 +38,13 @@ class MujocoVacuum(Vacuum):
     @property
     def sealed(self) -> bool:
         """Whether it still holds."""
-        return self._mujoco.welded(self.name, self._link)
+        return self._mujoco.is_welded(self.name, self._link)
 
     def off(self) -> None:
         """Lets go."""
         self._mujoco.unweld(self.name, self._link)
 
     def load(self) -> tuple[FloatArray, FloatArray]:
-        """What the object does to the lip; see `Vacuum.load`."""
+        """Load of the object on the lip; see `Vacuum.load`."""
         force, about_middle = self._mujoco.weld_wrench(self.name, self._link)
         return -force, -(about_middle + np.cross(self._from_lip(), force))

@@ -173,7 +173,7 @@ class MujocoWorld(PhysicalWorld):
         return found
 
     def ray_hit(self, start: FloatArray, end: FloatArray, link: str) -> tuple[str | None, float]:
-        """What the way from one point (3,) to another meets first.
+        """Cast a ray from one point (3,) to another and find the first body it meets.
 
         Args:
             start: In the world [m].
@@ -210,11 +210,11 @@ class MujocoWorld(PhysicalWorld):
 
     def unweld(self, name: str, link: str | None) -> None:
         """Let go of a body; nothing happens where it is not held so."""
-        if self.welded(name, link):
+        if self.is_welded(name, link):
             self._keep()
             del self._blueprint.welds[name, link]
 
-    def welded(self, name: str, link: str | None) -> bool:
+    def is_welded(self, name: str, link: str | None) -> bool:
         """Whether a body is held to a link, or to the world."""
         return (name, link) in self._blueprint.welds
 
@@ -234,7 +234,7 @@ class MujocoWorld(PhysicalWorld):
     def state(self) -> tuple[Any, Any]:
         """MuJoCo's model and data."""
         if self._compiled is None:
-            model, self._shapes = self._blueprint.compiled(self.time_step / SUBSTEPS)
+            model, self._shapes = self._blueprint.compile_model(self.time_step / SUBSTEPS)
             data: Any = mujoco.MjData(model)
             self._compiled = model, data
             for name, speed in self._speeds.items():

@@ -39,13 +39,13 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
 """Every scenario by its name, to be called with a seed; other packages add theirs."""
 
 __all__ = [
-    "SCENARIOS", "Scenario", "described", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack",
+    "SCENARIOS", "Scenario", "describe", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack",
     "set_table", "shelf", "sort", "swap", "tower",
 ]  # fmt: skip
 
 
-def described(name: str) -> str:
-    """What a scene is, in a line: the first of its module.
+def describe(name: str) -> str:
+    """Describe a scene in a line: the first of its module.
 
     Raises:
         InvalidInput: If there is no such scene.

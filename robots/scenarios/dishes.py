@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.scenarios.scenario import Scenario, Unlucky, overlap, pose_at, settle, settled, touching
+from topple.robots.scenarios.scenario import Scenario, Unlucky, contacts, overlap, pose_at, settle, settled
 from topple.robots.scenarios.tolerances import RIM
 from topple.robots.shapes import can, fork, plate, spoon
 from topple.robots.world.physical_world import PhysicalWorld
@@ -67,7 +67,7 @@ def _leaning_pose(middle: FloatArray, radius: float, angle: float, rng: np.rando
 
 def _check(world: PhysicalWorld) -> None:
     """Everything lies as it should."""
-    touches = touching(world)
+    touches = contacts(world)
     for name in CUTLERY:
         if frozenset((name, "plate")) not in touches or frozenset((name, "table")) in touches:
             raise Unlucky(f"{name} slid off the plate")

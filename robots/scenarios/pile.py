@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled, touching
+from topple.robots.scenarios.scenario import Scenario, Unlucky, contacts, drop, settle, settled
 from topple.robots.shapes import ball, bar, bowl, box, can, mug, plate, spoon, tray
 from topple.robots.world.bodies import Body, Color
 from topple.robots.world.physical_world import PhysicalWorld
@@ -94,7 +94,7 @@ def _most_buried(world: PhysicalWorld, names: tuple[str, ...]) -> str:
     height = {
         name: float((world.pose(name) @ np.append(world.body(name).centre_of_mass, 1.0))[2]) for name in names
     }
-    pairs = [tuple(pair) for pair in touching(world) if len(pair) == 2]
+    pairs = [tuple(pair) for pair in contacts(world) if len(pair) == 2]
     above = {name: 0 for name in names}
     for a, b in pairs:
         if a in height and b in height:

@@ -216,7 +216,7 @@ def overlap(world: PhysicalWorld) -> float:
     return max((-contact.distance for contact in world.contacts()), default=0.0)
 
 
-def touching(world: PhysicalWorld) -> set[frozenset[str]]:
+def contacts(world: PhysicalWorld) -> set[frozenset[str]]:
     """Pairs of names that touch."""
     return {frozenset((contact.a, contact.b)) for contact in world.contacts()}
 

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.scenarios.scenario import Scenario, Unlucky, lay, pose_at, to_copy, touching
+from topple.robots.scenarios.scenario import Scenario, Unlucky, contacts, lay, pose_at, to_copy
 from topple.robots.scenarios.tolerances import RIM
 from topple.robots.shapes import bowl, fork, mug, plate, spoon
 from topple.robots.world.physical_world import PhysicalWorld
@@ -45,7 +45,7 @@ def _lay_out(
     laid = np.array([rng.uniform(-0.06, -0.02), side * rng.uniform(0.13, 0.16)])
     lay(finished, {bodies[name]: pose for name, pose in _laid(laid, diameter, rng).items()})
     lay(world, {bodies[name]: pose for name, pose in _heap_poses(heap, laid, diameter, rng).items()})
-    touches = touching(world)
+    touches = contacts(world)
     for name in ("fork", "spoon"):
         if frozenset((name, "plate")) not in touches or frozenset((name, "table")) in touches:
             raise Unlucky(f"{name} slid off the plate")

@@ -4,7 +4,7 @@ import numpy as np
 
 from topple.robots.shapes.materials import PAINTS, STONEWARE
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
-from topple.robots.world.bodies import Body, Color, joined
+from topple.robots.world.bodies import Body, Color, join_meshes
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.mesh import Mesh
 
@@ -94,7 +94,7 @@ def mug(name: str = "mug", *, diameter: float = 0.085, height: float = 0.095) ->
     parts, surface = _beaker(diameter, height, 16)
     stack = _handle(diameter / 2 * 0.94, height)
     parts += [stack[k : k + 2].reshape(-1, 3) for k in range(len(stack) - 1)]
-    skin = joined([(one.vertices, one.faces) for one in (surface, closed_surface(stack))])
+    skin = join_meshes([(one.vertices, one.faces) for one in (surface, closed_surface(stack))])
     return STONEWARE.body(name, parts, skin, kind="mug", color=PAINTS["red"])
 
 

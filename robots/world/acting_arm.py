@@ -18,7 +18,7 @@ from topple.robots.world.rendering import NOBODY, Shown, surfaces_of
 from topple.robots.world.touch import Touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
-from topple.topology.base.arrays import FloatArray, rounded
+from topple.topology.base.arrays import FloatArray, round_off
 from topple.topology.base.errors import InvalidInput
 
 
@@ -41,7 +41,7 @@ class ActingArm(ABC):
     ) -> None:
         self.arm, self.control = arm, Control()
         self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
-        self.q_target = self._sent = rounded(np.array(arm.home if q is None else q, dtype=float))
+        self.q_target = self._sent = round_off(np.array(arm.home if q is None else q, dtype=float))
         self.jaw, self.cup = arm.jaw, arm.cup
         self._opening, self._extension = arm.open_hand.opening, arm.open_hand.cup_extension
         self._grip_force = self.jaw.force if self.jaw else 0.0
@@ -97,7 +97,7 @@ class ActingArm(ABC):
 
     @abstractmethod
     def efforts(self, names: Sequence[str]) -> Sequence[float]:
-        """What the motors of some joints exert in [N m] or [N]."""
+        """Efforts of the motors of some joints in [N m] or [N]."""
 
     @property
     def sealed(self) -> bool | None:
@@ -150,7 +150,7 @@ class ActingArm(ABC):
         return {self.arm.links[0]: self.pose_base_to_world, **found}
 
     def shown(self) -> Iterator[Shown]:
-        """What cameras see of it, where it is now."""
+        """Surfaces of the arm that cameras see, where they are now."""
         poses = self.link_poses()
         for link, surfaces in surfaces_of(self.arm).items():
             for surface in surfaces:
@@ -256,7 +256,7 @@ class ActingArm(ABC):
         """Opens the jaw to a pad distance in [m], fully if not given, and waits for it."""
         if self.jaw:
             opening = self.jaw.max_opening if opening is None else min(opening, self.jaw.max_opening)
-            self._opening = float(rounded(opening))
+            self._opening = float(round_off(opening))
             self._grip_force = self.jaw.force
             self._stiffen_pads(False)
             self._wait_for_hand()
@@ -294,7 +294,7 @@ class ActingArm(ABC):
     def extend(self, extension: float) -> None:
         """Pushes the suction cup out of the palm by a distance in [m] and waits for it."""
         if self.cup and self.cup.joint is not None:
-            self._extension = float(rounded(extension))
+            self._extension = float(round_off(extension))
             self._wait_for_hand()
 
     def release(self, opening: float | None = None) -> None:
@@ -355,8 +355,8 @@ class ActingArm(ABC):
                     return
 
     def _send(self, q: FloatArray, v: FloatArray) -> None:
-        self._sent = rounded(q)
-        self._drive(self._sent, rounded(v))
+        self._sent = round_off(q)
+        self._drive(self._sent, round_off(v))
 
     @abstractmethod
     def _drive(self, q: FloatArray, v: FloatArray) -> None:

@@ -11,7 +11,7 @@ from topple.robots.collision.convex import hull_of
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import FRICTION, ROLLING
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import FloatArray, IntArray, frozen, rounded
+from topple.topology.base.arrays import FloatArray, IntArray, freeze, round_off
 from topple.topology.base.checks import as_name, as_points
 from topple.topology.base.errors import InvalidInput
 from topple.topology.scene.mesh import Mesh
@@ -67,10 +67,10 @@ class Body:
             raise InvalidInput(f"body {self.name!r} has a mass of {self.mass} kg: expected a positive one")
         parts = tuple(as_points(part, f"a part of body {self.name!r}") for part in self.parts)
         object.__setattr__(self, "parts", parts)
-        object.__setattr__(self, "mass", float(rounded(self.mass)))
-        object.__setattr__(self, "centre_of_mass", frozen(rounded(self.centre_of_mass)))
-        inertia = rounded(self.inertia, TOLERANCES.inertia_decimals)
-        object.__setattr__(self, "inertia", frozen(inertia))
+        object.__setattr__(self, "mass", float(round_off(self.mass)))
+        object.__setattr__(self, "centre_of_mass", freeze(round_off(self.centre_of_mass)))
+        inertia = round_off(self.inertia, TOLERANCES.inertia_decimals)
+        object.__setattr__(self, "inertia", freeze(inertia))
 
     @classmethod
     @checked_arguments
@@ -111,7 +111,7 @@ class Body:
         hulls = [hull_of(as_points(part, f"a part of body {name!r}")) for part in parts]
         volume, centre, inertia = _mass_properties(hulls, mesh)
         mass = volume * density if mass is None else mass
-        corners, seen = tuple(vertices for vertices, _ in hulls), mesh or joined(hulls)
+        corners, seen = tuple(vertices for vertices, _ in hulls), mesh or join_meshes(hulls)
         about = inertia * (mass / volume)
         return cls(name, corners, mass, friction, centre, about, color, seen, kind, rolling)
 
@@ -155,7 +155,7 @@ def spread_over(mesh: Mesh, count: int, rng: np.random.Generator) -> FloatArray:
     return (1 - a) * chosen[:, 0] + a * (1 - b) * chosen[:, 1] + a * b * chosen[:, 2]
 
 
-def joined(hulls: Hulls) -> Mesh:
+def join_meshes(hulls: Hulls) -> Mesh:
     """Closed surfaces, corners (V, 3) in [m] and triangles (F, 3) of each, as one mesh."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in hulls[:-1])])
     faces = [triangles + offset for (_, triangles), offset in zip(hulls, offsets, strict=True)]

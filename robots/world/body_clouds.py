@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.robots.collision.convex import hull_of, reduced
+from topple.robots.collision.convex import hull_of, reduce_hull
 from topple.robots.world.tolerances import (
     AGREED,
     BENT,
@@ -46,7 +46,7 @@ class Piece:
         assert sides is not None, "a piece has a volume"
         return sides
 
-    def having(self, points: FloatArray) -> "Piece":
+    def with_points(self, points: FloatArray) -> "Piece":
         """The hull of the piece and of further (N, 3) points [m], which nobody saw."""
         return Piece(hull_of(np.concatenate([self.corners, points]))[0], self.seen)
 
@@ -61,7 +61,7 @@ def solid(points: FloatArray, seen: FloatArray) -> list[Piece]:
     Returns:
         The hull of the smoothed points: noise would make it too large on every side.
     """
-    return [Piece(_corners(smoothed(points)), seen)]
+    return [Piece(_corners(smooth(points)), seen)]
 
 
 def shell(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -> list[Piece]:
@@ -77,7 +77,7 @@ def shell(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -
         Pieces of about `PIECE`, at least `WALL` thick where one side was seen.
     """
     own = PointTree(seen).query(points)[0] == 0.0 if len(seen) else np.zeros(len(points), dtype=np.bool_)
-    points = smoothed(points) if viewpoints is None else _smoothed_sheet(points, own, viewpoints)
+    points = smooth(points) if viewpoints is None else _smoothed_sheet(points, own, viewpoints)
     tree = PointTree(points)
     pieces: list[Piece] = []
     for split in _split(points, own, viewpoints):
@@ -133,7 +133,7 @@ def _smoothed_sheet(points: FloatArray, seen: BoolArray, viewpoints: FloatArray)
     return points - off[:, None] * normals
 
 
-def smoothed(points: FloatArray) -> FloatArray:
+def smooth(points: FloatArray) -> FloatArray:
     """Points (N, 3) [m], each one moved onto the plane through its neighbours: noise goes, faces stay."""
     if len(points) < SMOOTHED:
         return points
@@ -159,6 +159,6 @@ def _thicken_wall(points: FloatArray, seen: FloatArray, viewpoints: FloatArray |
 def _corners(points: FloatArray) -> FloatArray:
     """(V, 3) corners of the hull of points, those that matter; flat and tiny sets get a thickness."""
     try:
-        return np.array(reduced(points[ConvexHull(points).vertices], DETAIL)[0])
+        return np.array(reduce_hull(points[ConvexHull(points).vertices], DETAIL)[0])
     except (QhullError, ValueError):
         return hull_of(points)[0]

@@ -71,7 +71,7 @@ class BulletVacuum(Vacuum):
             self._constraint = None
 
     def load(self) -> tuple[FloatArray, FloatArray]:
-        """What the object does to the lip; see `Vacuum.load`."""
+        """Load of the object on the lip; see `Vacuum.load`."""
         state = np.array(pybullet.getConstraintState(self._constraint, physicsClientId=self._bullet.client))
         force, about_middle = state[:3], state[3:6]  # the constraint holds the object's centre of mass
         return force, about_middle + np.cross(self._from_lip(), force)

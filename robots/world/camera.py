@@ -34,7 +34,7 @@ class Visible(Protocol):
         ...
 
     def rendered(self, camera: "Camera") -> Rendered:
-        """What a camera without faults sees."""
+        """Render the view of a camera without faults."""
         ...
 
 
@@ -189,7 +189,7 @@ class Camera:
         label = np.where(np.isin(body + 1, list(names)), body + 1, 0)
         depth = self._with_faults(depth, label, rng)
         if self.mask_noise > 0:
-            label = ragged(label, self.mask_noise, rng)
+            label = roughen(label, self.mask_noise, rng)
         if self.masks_missing > 0:
             movable = [number for number, name in names.items() if name in world.movable]
             missed = rng.random(len(movable)) < self.masks_missing
@@ -255,7 +255,7 @@ def _edges(depth: FloatArray, label: IntArray) -> tuple[BoolArray, FloatArray]:
     return edge, jump
 
 
-def ragged(label: IntArray, pixels: float, rng: np.random.Generator) -> IntArray:
+def roughen(label: IntArray, pixels: float, rng: np.random.Generator) -> IntArray:
     """Masks whose edges wander by some pixels, smoothly along them, as a segmentation's do."""
     wander = rng.standard_normal((2, *label.shape))
     smooth = cast(FloatArray, ndimage.gaussian_filter(wander, (0, 6, 6)))

@@ -25,7 +25,7 @@ class Clamps:
 
     @property
     def clamped(self) -> frozenset[str]:
-        """What they keep."""
+        """Names of the objects they keep."""
         return frozenset(self._let_go)
 
     def release(self, name: str) -> None:

@@ -79,7 +79,7 @@ class Film:
             self._file.mux(packet)
 
 
-def filmed(path: Path | None, robot: ActingArm, camera: Camera) -> AbstractContextManager[object]:
+def film_of(path: Path | None, robot: ActingArm, camera: Camera) -> AbstractContextManager[object]:
     """A film, or nothing where no path is given."""
     return nullcontext() if path is None else Film(path, robot, camera)
 

@@ -165,7 +165,7 @@ def check_dataset(folder: Path) -> None:
         raise InvalidInput(f"{folder} is no dataset of LeRobot {VERSION}: give a new folder, or one of such")
 
 
-def demonstrated(
+def demonstration_in(
     folder: Path | None, robot: ActingArm, camera: Camera
 ) -> AbstractContextManager[Demonstration | None]:
     """A demonstration, or nothing where no folder is given."""
@@ -203,7 +203,7 @@ def _features(names: list[str]) -> dict[str, Any]:
 
 
 def _stats(values: Any, shape: tuple[int, ...] = (-1,)) -> dict[str, Any]:
-    """What LeRobot normalises by, of values (n, k): least, largest, mean and deviation of each of k."""
+    """Statistics of values (n, k) for LeRobot to normalise by: least, largest, mean, deviation of each."""
     found = {key: getattr(values.astype(float), key)(axis=0) for key in ("min", "max", "mean", "std")}
     return {**{key: each.reshape(shape).tolist() for key, each in found.items()}, "count": [len(values)]}
 

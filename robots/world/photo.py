@@ -12,7 +12,7 @@ from topple.robots.poses import inverse
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.views.image import Photo
 
 SIZE = (800, 600)
@@ -136,7 +136,7 @@ def _shadow(
     depth = world.rendered(lamp)[0]
     # around the map is nothing that hides anything
     nearest = np.pad(np.where(depth > 0, depth, np.inf).astype(np.float32), 1, constant_values=np.inf)
-    seen = transformed(points, inverse(lamp.pose_camera_to_world)).astype(np.float32)
+    seen = move_points(points, inverse(lamp.pose_camera_to_world)).astype(np.float32)
     scale = np.float32(lamp.K[0, 0]) / seen[:, 2]
     place = seen[:, :2] * scale[:, None] + np.float32(lamp.K[:2, 2] + 1)
     # a slope rises over the shadow's edge: what is only a little nearer may be the same surface

@@ -13,9 +13,9 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.rendering import NOBODY, Shown, Surface, draw
 from topple.robots.world.tolerances import FLOOR, FLOOR_COLOUR, TABLE_FRICTION, THICKNESS
-from topple.topology.base.arrays import FloatArray, rounded
+from topple.topology.base.arrays import FloatArray, round_off
 from topple.topology.base.errors import UnknownObject
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ class PhysicalWorld(ABC):
     def parts(self, name: str) -> tuple[FloatArray, ...]:
         """Vertices (V, 3) of the convex parts of a body where it is now, in the world in [m]."""
         pose = self.pose(name)
-        return tuple(transformed(part, pose) for part in self._bodies[name].parts)
+        return tuple(move_points(part, pose) for part in self._bodies[name].parts)
 
     @abstractmethod
     def place(self, name: str, pose_body_to_world: FloatArray, rising: float = 0.0) -> None:
@@ -260,7 +260,7 @@ class PhysicalWorld(ABC):
         """Everything that ties bodies together."""
 
     def rendered(self, camera: Camera) -> Rendered:
-        """What a camera without faults sees."""
+        """Render the view of a camera without faults."""
         return draw(camera, self.shown())
 
     def shown(self) -> Iterator[Shown]:
@@ -297,5 +297,5 @@ def principal_axes(body: Body) -> tuple[FloatArray, FloatArray]:
     if np.abs(body.inertia - np.diag(moments)).max() > 0.01 * moments.min():
         moments, axes = np.linalg.eigh(body.inertia)
         axes[:, 2] *= np.sign(np.linalg.det(axes))
-        pose[:3, :3] = rounded(axes)
-    return rounded(moments, TOLERANCES.inertia_decimals), pose
+        pose[:3, :3] = round_off(axes)
+    return round_off(moments, TOLERANCES.inertia_decimals), pose

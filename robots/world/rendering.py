@@ -13,7 +13,7 @@ from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.tolerances import AMBIENT, ARM_TRIANGLES, LAMP, SMOOTH
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.geometry.axes import cross
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.kernels.triangles import draw_triangles
 
 NOBODY = -1
@@ -82,7 +82,7 @@ def draw(camera: Camera, shown: Iterable[Shown]) -> Rendered:
     corners = [np.zeros((0, 3, 3))]
     paints, numbers = [np.zeros((0, 3, 3))], [np.zeros(0, dtype=np.int64)]
     for surface, pose, number in parts:
-        corners.append(transformed(surface.corners, world_to_camera @ pose))
+        corners.append(move_points(surface.corners, world_to_camera @ pose))
         light = AMBIENT + (1.0 - AMBIENT) * np.maximum(surface.normals @ (pose[:3, :3].T @ lamp), 0.0)
         paints.append(light[..., None] * surface.colour)
         numbers.append(np.full(len(surface.corners), number))

@@ -163,7 +163,7 @@ class SimulatedArm(ActingArm):
         return np.array([state[0] for state in self._states(names)])
 
     def efforts(self, names: Sequence[str]) -> Sequence[float]:
-        """What the motors of some joints exert in [N m] or [N]."""
+        """Efforts of the motors of some joints in [N m] or [N]."""
         return [float(state[3]) for state in self._states(names)]
 
     def _states(self, names: Sequence[str]) -> Any:

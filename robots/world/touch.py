@@ -41,7 +41,7 @@ class Touch:
 
 
 def combined_friction(a: FloatArray, b: FloatArray) -> FloatArray:
-    """What two surfaces that touch do against sliding, spinning and rolling, on every engine alike.
+    """Combine the friction of two surfaces against sliding, spinning and rolling, on every engine alike.
 
     It is Bullet's rule, which cannot be changed. A lever is what a surface has on one of coefficient 1: the
     moment about the normal is that of the friction across the dent, and what both give way adds.

@@ -10,7 +10,7 @@ from topple.robots.poses import inverse
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import AT_LIMIT, CLEAR, PEEL_STEPS, RAYS, REACH, TILT
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 class Vacuum(ABC):
@@ -47,7 +47,7 @@ class Vacuum(ABC):
 
     @abstractmethod
     def load(self) -> tuple[FloatArray, FloatArray]:
-        """What the object does to the lip in the last step.
+        """Load of the object on the lip in the last step.
 
         Returns:
             Force (3,) [N] and moment (3,) [N m] about the lip's centre, in the world's axes.
@@ -89,7 +89,7 @@ def lip_rays(pose_lip_to_world: FloatArray, cup: SuctionCup) -> tuple[FloatArray
     """
     ring = _ring(cup)
     behind, before = (np.column_stack([ring, np.full(RAYS, z)]) for z in (-REACH, REACH))
-    return transformed(behind, pose_lip_to_world), transformed(before, pose_lip_to_world)
+    return move_points(behind, pose_lip_to_world), move_points(before, pose_lip_to_world)
 
 
 def sealed_on(world: PhysicalWorld, hits: Sequence[tuple[str | None, float]], cup: SuctionCup) -> str | None:

@@ -28,7 +28,7 @@ from topple.robots.world.tolerances import CLAMPING, CONSTRAINT_ERP
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,7 @@ class World(PhysicalWorld):
     def _shape(self, core: Core, pose_inertial_to_body: FloatArray) -> int:
         """Number of the collision shape, in the frame PyBullet moves."""
         pose = inverse(pose_inertial_to_body)
-        parts = [transformed(part, pose) for part in core.parts]
+        parts = [move_points(part, pose) for part in core.parts]
         fans = [np.array([[0, k, k + 1] for k in range(1, len(part) - 1)]) for part in parts]
         shape: int = pybullet.createCollisionShape(
             pybullet.GEOM_MESH, fileName=self._obj(parts, fans), physicsClientId=self.client

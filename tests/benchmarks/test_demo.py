@@ -10,7 +10,7 @@ from topple.benchmarks.demo import SEEDS, count_of, default_of, rows, variants
 from topple.benchmarks.episodes import Ending, Episode, copied
 from topple.benchmarks.journal import Journal
 from topple.benchmarks.versions import commit_now
-from topple.planner.execution.demo_seeds import FORMAT, SeedCount, counted, default_seed
+from topple.planner.execution.demo_seeds import FORMAT, SeedCount, default_seed, seed_count
 from topple.robots import scenario
 from topple.robots.scenarios import SCENARIOS
 
@@ -58,7 +58,7 @@ def test_where_all_that_succeed_are_close_the_least_close_is_played():
 
 def test_a_scene_that_was_not_played_has_no_count():
     assert count_of([]) is None
-    assert counted("opera") is None
+    assert seed_count("opera") is None
     assert default_seed("opera") == 0
 
 
@@ -87,7 +87,7 @@ def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tell
 
 @pytest.mark.parametrize("name", list(SCENARIOS))
 def test_every_demo_has_a_count_and_plays_a_seed_that_succeeded(name):
-    count = counted(name)
+    count = seed_count(name)
     assert count is not None
     assert default_seed(name) in count.reached
     assert set(count.reached) <= set(count.played) <= set(range(SEEDS))

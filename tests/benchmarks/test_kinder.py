@@ -7,7 +7,7 @@ from topple.benchmarks.textbook import box
 from topple.planner.planning.plan import plan
 from topple.robots.collision.fcl_bodies import apart
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -21,7 +21,7 @@ def scene(parts: dict[str, list[FloatArray]], *fixed: str) -> Scene:
 
 def test_the_block_comes_to_stand_in_the_middle_of_the_region() -> None:
     block, region = box((6, 6, 5), 30, -10, 0) / 100, box((8, 8, 1), 30, 20, 0) / 100
-    (there,) = moved([block], centred({"target_block": [block], "target_region": [region]}))
+    (there,) = move_parts([block], centred({"target_block": [block], "target_region": [region]}))
     np.testing.assert_allclose(
         (there.min(axis=0), there.max(axis=0)), ((0.27, 0.17, 0.01), (0.33, 0.23, 0.06))
     )

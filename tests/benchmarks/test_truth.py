@@ -262,7 +262,7 @@ def test_a_worse_version_is_refused_against_a_better_one_and_below_its_floors(
     ]
     blind = planted([replace(CHANGES[5], name="blind")], version, tmp_path / "versions")
     path = blind.folder / "topple" / CHANGES[4].file
-    path.write_text(path.read_text().replace("return tuple(rubbing(", "return () and tuple(rubbing("))
+    path.write_text(path.read_text().replace("return tuple(with", "return () and tuple(with"))
     path = blind.folder / "topple" / "planner" / "decide" / "disturbance.py"
     path.write_text(path.read_text().replace("over.evasion > least", "over.evasion > 9.0"))
     monkeypatch.chdir(tmp_path)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from topple.planner.fallbacks import RELAXATIONS, selected
+from topple.planner.fallbacks import RELAXATIONS, select
 from topple.topology.base.errors import InvalidInput
 
 
@@ -20,6 +20,6 @@ def test_every_relaxation_has_words_of_its_own_and_the_count_that_the_benchmark_
 
 
 def test_a_selection_is_of_the_table_alone():
-    assert selected("narrow") == {"narrow"}
+    assert select("narrow") == {"narrow"}
     with pytest.raises(InvalidInput, match="unknown relaxation 'magic': expected some of another first, "):
-        selected(["narrow", "magic"])
+        select(["narrow", "magic"])

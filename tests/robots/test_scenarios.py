@@ -7,7 +7,7 @@ from topple.robots import scenario
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.scenarios import SCENARIOS
-from topple.robots.scenarios.scenario import BASE, touching
+from topple.robots.scenarios.scenario import BASE, contacts
 from topple.robots.scenarios.tolerances import LEANS
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.base.errors import InvalidInput
@@ -63,7 +63,7 @@ def test_seeds_decide(name):
 @pytest.mark.parametrize("seed", range(3))
 def test_dishes_lie_on_the_plate_and_the_can_leans_on_it(seed):
     with scenario("dishes", seed) as made:
-        touches = touching(made.world)
+        touches = contacts(made.world)
         for name in ("spoon_1", "spoon_2", "fork", "can", "table"):
             assert frozenset((name, "plate")) in touches
         for name in ("spoon_1", "spoon_2", "fork"):
@@ -118,7 +118,7 @@ def test_a_bowl_that_a_can_leans_over_comes_back_without_it():
         world = made.world
         leaning = world.pose("bowl")
         assert made.goal == "free bowl" and leaning[2, 2] < np.cos(LEANS)
-        assert frozenset(("bowl", "can")) in touching(world)
+        assert frozenset(("bowl", "can")) in contacts(world)
         away = world.pose("can")
         away[0, 3] += 2.0
         world.place("can", away)

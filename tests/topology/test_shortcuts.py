@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.topology.base.tolerances import TOLERANCES
 from topple.topology.geometry.hull import Hull
-from topple.topology.relations.cavity import roofed, surrounded
+from topple.topology.relations.cavity import is_roofed, is_surrounded
 from topple.topology.relations.relate import relate
 from topple.topology.relations.surface import SurfaceCloud
 from topple.topology.scene.scene import Scene
@@ -93,8 +93,8 @@ def slow_interior(a, b):
     deep = (a @ hull.normals.T + hull.offsets).max(axis=1) < -DEVIATION
     held = np.zeros(len(a), dtype=bool)
     for up in (*axes, *-axes):
-        under = roofed(a[deep], b, up, DEVIATION, spacing) & ~roofed(a[deep], b, -up, DEVIATION, spacing)
-        held[deep] |= surrounded(a[deep], b, up, DEVIATION) & ~under
+        above, below = (is_roofed(a[deep], b, way, DEVIATION, spacing) for way in (up, -up))
+        held[deep] |= is_surrounded(a[deep], b, up, DEVIATION) & ~(above & ~below)
     return held
 
 

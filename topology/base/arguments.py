@@ -76,14 +76,14 @@ class _Names(dict[str, Any]):
 
 
 def _hint(given: Any, names: _Names) -> Any:
-    """What is annotated, also in a text; anything where nothing is."""
+    """Resolve an annotation, also one given as text; `Any` where there is none."""
     if isinstance(given, str):
         return eval(given, {}, names)
     return Any if given is inspect.Parameter.empty else given
 
 
 def _bare_kind(hint: Any) -> Any:
-    """What a kind is, without what it is of; kinds of numpy 2.5 are names of others."""
+    """Strip a kind of its parameters; kinds of numpy 2.5 are names of others."""
     kind = get_origin(hint) or hint
     value = getattr(kind, "__value__", kind)
     return get_origin(value) or value

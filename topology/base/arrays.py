@@ -106,8 +106,8 @@ def within_corners(points: FloatArray, lower: FloatArray, upper: FloatArray) -> 
     return inside
 
 
-def rounded(values: ArrayLike, decimals: int = DECIMALS) -> FloatArray:
-    """What decisions and simulations begin with, lengths [m] and angles [rad], without its last digits.
+def round_off(values: ArrayLike, decimals: int = DECIMALS) -> FloatArray:
+    """Drop the last digits of lengths [m] and angles [rad] that decisions and simulations begin with.
 
     Linear algebra ends in other last bits on other processors: a simulation carries them on to millimetres,
     and what lies on the edge of a cell falls to either side. Rounded, the same seed is the same on all.
@@ -122,7 +122,7 @@ def rounded(values: ArrayLike, decimals: int = DECIMALS) -> FloatArray:
     return np.asarray(np.round(np.asarray(values, dtype=np.float64), decimals) + 0.0)
 
 
-def frozen(array: ArrayLike) -> FloatArray:
+def freeze(array: ArrayLike) -> FloatArray:
     """Copy an array into one nobody can write to.
 
     Args:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.base.arrays import FloatArray, bounds, frozen
+from topple.topology.base.arrays import FloatArray, bounds, freeze
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.tolerances import (
     DUPLICATE_NEAR,
@@ -93,7 +93,7 @@ def as_points(points: ArrayLike, what: str) -> FloatArray:
             f"{what} extends over {extent:.4g} m, more than {LARGEST_EXTENT:g} m: it looks like millimetres "
             "or another unit; topple takes metres, so scale it (millimetres: points / 1000)"
         )
-    return frozen(array)
+    return freeze(array)
 
 
 def as_direction(direction: ArrayLike, what: str) -> FloatArray:
@@ -119,7 +119,7 @@ def as_direction(direction: ArrayLike, what: str) -> FloatArray:
         raise InvalidInput(
             f"{what} is {_list_names(vector)}, which points nowhere: expected a direction, such as 0 0 1"
         )
-    return frozen(vector / length)
+    return freeze(vector / length)
 
 
 def as_plane(plane: ArrayLike, what: str = "table_plane") -> FloatArray:
@@ -145,7 +145,7 @@ def as_plane(plane: ArrayLike, what: str = "table_plane") -> FloatArray:
         raise InvalidInput(
             f"{what} is {_list_names(values)}: expected a finite, non-zero normal and its offset (n, d)"
         )
-    return frozen(values / length)
+    return freeze(values / length)
 
 
 def as_viewpoints(viewpoints: ArrayLike, what: str = "viewpoints") -> FloatArray:
@@ -163,14 +163,14 @@ def as_viewpoints(viewpoints: ArrayLike, what: str = "viewpoints") -> FloatArray
     """
     array = numeric(viewpoints, what)
     if array.size == 0:
-        return frozen(np.empty((0, 3)))
+        return freeze(np.empty((0, 3)))
     if array.ndim == 1:
         array = array[None]
     if array.ndim != 2 or array.shape[1] != 3:
         raise InvalidInput(f"{what} has shape {array.shape}: expected camera centres (k, 3)")
     if not np.isfinite(array).all():
         raise InvalidInput(f"{what} holds NaN or infinity: expected finite camera centres (k, 3) in metres")
-    return frozen(array)
+    return freeze(array)
 
 
 def as_pose(pose: ArrayLike, what: str) -> FloatArray:
@@ -206,7 +206,7 @@ def as_pose(pose: ArrayLike, what: str) -> FloatArray:
             f"{what} is mirrored: its rotation has determinant -1; expected a right-handed frame, +1: "
             "turn one axis round, or mirror the points instead"
         )
-    return frozen(matrix)
+    return freeze(matrix)
 
 
 def as_intrinsics(matrix: ArrayLike, width: int, what: str = "K") -> FloatArray:
@@ -241,7 +241,7 @@ def as_intrinsics(matrix: ArrayLike, width: int, what: str = "K") -> FloatArray:
             f"{what} is no intrinsic matrix of an image {width} pixels wide: "
             f"its focal length is {focal:g} pixels; {wanted}"
         )
-    return frozen(intrinsics)
+    return freeze(intrinsics)
 
 
 def as_name(name: object, what: str = "object") -> str:

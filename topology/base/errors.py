@@ -9,7 +9,7 @@ DISTRIBUTION = "topple-planner"
 
 
 def packages_of(extra: str) -> list[str]:
-    """What an extra of topple brings, as pip takes it: topple itself is on no package index."""
+    """List the packages of an extra, as pip takes them: topple itself is on no package index."""
     needed = requires(DISTRIBUTION) or ()
     return [
         each.partition(";")[0].strip() for each in needed if re.search(rf"extra == ['\"]{extra}['\"]", each)

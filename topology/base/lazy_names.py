@@ -30,8 +30,8 @@ def lazy_names(
         setattr(sys.modules[package], name, value)
         return value
 
-    def listed() -> list[str]:
+    def list_names() -> list[str]:
         names = vars(sys.modules[package])
         return sorted({*names, *names["__all__"]})
 
-    return find, listed
+    return find, list_names

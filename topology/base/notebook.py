@@ -38,7 +38,7 @@ def in_words(scene: object, value: Value) -> Value:
 
 
 def _ask_entry_point(name: str, otherwise: Any, *asked: object) -> Any:
-    """What the entry point of a name makes of something, where there is one and it can."""
+    """Call the entry point of a name; give `otherwise` where there is none or it cannot answer."""
     for entry in entry_points(group=GROUP, name=name):
         with suppress(ToppleError):
             return entry.load()(*asked)

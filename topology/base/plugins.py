@@ -14,8 +14,8 @@ log = logging.getLogger(__name__)
 Kind = TypeVar("Kind")
 
 
-def expected(found: object, kind: type[Kind]) -> Kind:
-    """What a function of another package gave, as it should be.
+def check_kind(found: object, kind: type[Kind]) -> Kind:
+    """Refuse the result of another package's function unless it is of the expected kind.
 
     Raises:
         TypeError: It is something else.
@@ -68,7 +68,7 @@ class Table(Generic[Kind]):
         return name in self._entries
 
     def __getitem__(self, name: str) -> Kind:
-        """What is called so; if it is another package's function, what it raises names that package.
+        """Load the entry of a name; what another package's function raises names that package.
 
         Raises:
             InvalidInput: There is nothing of that name, or it cannot be imported.
@@ -78,7 +78,7 @@ class Table(Generic[Kind]):
             raise InvalidInput(f"there is no {self.role} {name!r}: {meant}expected {', '.join(self)}")
         if name in self._own:
             return self._own[name].load()
-        with self.blamed(name):
+        with self.blame(name):
             found = self._entries[name].load()
         return cast(Kind, partial(_call, self, name, found)) if callable(found) else found
 
@@ -93,7 +93,7 @@ class Table(Generic[Kind]):
         """
         for name in tuple(self._entries):
             try:
-                with self.blamed(name):
+                with self.blame(name):
                     found = self[name]
                     if fits(found):
                         return name, found
@@ -105,7 +105,7 @@ class Table(Generic[Kind]):
         return None
 
     @contextmanager
-    def blamed(self, name: str) -> Generator[None, None, None]:
+    def blame(self, name: str) -> Generator[None, None, None]:
         """Say in a block whose fault it is when something of another package fails.
 
         Args:
@@ -130,5 +130,5 @@ class Table(Generic[Kind]):
 
 
 def _call(table: Table[Any], name: str, function: Callable[..., Any], *args: Any, **keywords: Any) -> Any:
-    with table.blamed(name):
-        return expected(function(*args, **keywords), table.gives)
+    with table.blame(name):
+        return check_kind(function(*args, **keywords), table.gives)

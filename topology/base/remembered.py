@@ -17,7 +17,7 @@ _DIGESTS: dict[int, tuple["ref[Any]", Hashable]] = {}
 """What stands for read-only arrays, while there are any, by their places in memory."""
 
 
-def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
+def remember(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
     """Keep the answers of a function that has no side effects.
 
     Arrays count by what is in them, so that a copy or the same cloud in another scene finds the answer. What
@@ -30,11 +30,11 @@ def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given
         What makes such a function of one that takes arrays and what can be hashed.
     """
 
-    def keeping(work: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
+    def wrap(work: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
         kept: OrderedDict[tuple[Hashable, ...], Any] = OrderedDict()
 
         @wraps(work)
-        def asked(*given: _Given.args, **named: _Given.kwargs) -> _Made:
+        def answer(*given: _Given.args, **named: _Given.kwargs) -> _Made:
             by_name = ((name, _standing_for(value)) for name, value in sorted(named.items()))
             key = (*map(_standing_for, given), *by_name)
             made = kept.get(key, _MISSING)
@@ -47,13 +47,13 @@ def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given
                     kept.move_to_end(key)
             return made
 
-        return asked
+        return answer
 
-    return keeping
+    return wrap
 
 
 def _standing_for(value: Any) -> Hashable:
-    """What stands for an argument in a key: of an array its shape and a digest of its numbers."""
+    """Make a key of an argument: of an array, its shape and a digest of its numbers."""
     if not isinstance(value, np.ndarray):
         return value
     known = _DIGESTS.get(id(value))

@@ -39,23 +39,23 @@ def all_but(key: _Key, values: Mapping[_Key, _Value]) -> FrozenDict[_Key, _Value
 class ByValue:
     """Equality of frozen dataclasses that hold arrays: equal where all their fields are."""
 
-    def _compared(self) -> list[Any]:
-        """What is compared: all fields, unless a class says otherwise."""
+    def _comparison(self) -> list[Any]:
+        """Values to compare: all fields, unless a class says otherwise."""
         return [getattr(self, each.name) for each in fields(self) if each.compare]  # type: ignore
 
     def __eq__(self, other: object) -> bool:
         """Compare field by field; arrays by shape, type and every value."""
         if type(other) is not type(self):
             return NotImplemented
-        return self is other or same(self._compared(), other._compared())  # type: ignore[attr-defined]
+        return self is other or same(self._comparison(), other._comparison())  # type: ignore[attr-defined]
 
     def __hash__(self) -> int:
         """Hash what is short of it: equal objects have equal hashes, and most others have not."""
-        return hash((type(self).__name__, *(_short(part) for part in self._compared())))
+        return hash((type(self).__name__, *(_short(part) for part in self._comparison())))
 
 
 def _short(value: Any) -> str | int | float:
-    """What stands for a value in a hash: itself, or its length where it has one."""
+    """Stand-in for a value in a hash: itself, or its length where it has one."""
     if isinstance(value, (str, int, float)):
         return value
     return len(value) if isinstance(value, (tuple, Mapping)) else 0
@@ -91,7 +91,7 @@ def free_name(name: str, taken: Collection[str]) -> str:
     return free
 
 
-def rounded(value: float, digits: int = 0) -> str:
+def decimal(value: float, digits: int = 0) -> str:
     """Write a number with so many digits after the point.
 
     Args:

@@ -104,7 +104,7 @@ class WorkerPool(Executor):
         return self._threads.submit(self._ask_process, fn, args, kwargs)
 
     def _ask_process(self, fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
-        """What the process of this thread answers."""
+        """Call a function in the process of this thread, which is started for the first call."""
         pid: int | None = getattr(self._of_thread, "pid", None)
         if pid is None:
             pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=self._ready)
@@ -155,7 +155,7 @@ def _kill(pid: int) -> None:
         os.kill(pid, signal.SIGKILL)
 
 
-def mapped(
+def map_tasks(
     work: Callable[[Task], Answer],
     tasks: Iterable[Task],
     executor: Executor,
@@ -229,7 +229,7 @@ def all_of(
     Args:
         work: Answers one; with an executor it, the tasks and the answers go to other processes.
         tasks: Any number of them.
-        executor: See `mapped`; None answers here, one after the other.
+        executor: See `map_tasks`; None answers here, one after the other.
 
     Raises:
         WorkerLost: A task lost its worker twice.
@@ -237,13 +237,13 @@ def all_of(
     if executor is None:
         yield from map(work, tasks)
         return
-    for number, answer in enumerate(mapped(work, tasks, executor), 1):
+    for number, answer in enumerate(map_tasks(work, tasks, executor), 1):
         if isinstance(answer, Lost):
             raise WorkerLost(f"scene {number}: the process that worked on it was lost twice")
         yield answer
 
 
-def opened(executor: Executor | None) -> AbstractContextManager[Executor]:
+def open_executor(executor: Executor | None) -> AbstractContextManager[Executor]:
     """An executor for a while: the one that is given, which stays open, or one process a core.
 
     Args:

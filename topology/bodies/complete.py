@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.base.arrays import FloatArray, bounds, cells_over, lengths, quantiles_of
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import (
     BARE,
@@ -104,7 +104,7 @@ class _Seen:
         return normals[squares[:, 0] < 0.05 * squares[:, 1]]
 
 
-seen_of = remembered(KEPT_BODIES)(_Seen)
+seen_of = remember(KEPT_BODIES)(_Seen)
 
 
 def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArray]:
@@ -250,7 +250,7 @@ def _round_of(seen: _Seen, box: Box, sight: FreeSpace | None, floor: float) -> S
     """The ball, spheroid or cylinder that a body is; None where it is none."""
     fit = round_body(seen.fits, _off(box, seen), floor)
     # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
-    out = fit is None or sight is None or sight.facing(seen.points, fit.outward(seen.points)).mean() > OUTSIDE
+    out = fit is None or sight is None or sight.faces(seen.points, fit.outward(seen.points)).mean() > OUTSIDE
     return fit if out else None
 
 
@@ -328,7 +328,7 @@ def _hull(points: FloatArray) -> ConvexHull | None:
         return None
 
 
-hull_of = remembered(KEPT_BODIES)(_hull)
+hull_of = remember(KEPT_BODIES)(_hull)
 
 
 def _is_closed(seen: _Seen, hull: ConvexHull) -> bool:

@@ -14,7 +14,7 @@ from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, hull_vertices
 from topple.topology.bodies.tolerances import BENT, COMPLETED_LEVEL, RAGGED, SPACING
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 
 
 def completed_bodies(
@@ -61,7 +61,7 @@ def with_level_undersides(
 
 def _level_underside(parts: Sequence[FloatArray], up: FloatArray) -> Sequence[FloatArray]:
     corners = np.vstack(parts)
-    points = np.vstack([corners, sampled(parts, SPACING)])
+    points = np.vstack([corners, sample(parts, SPACING)])
     height, axes = points @ up, np.stack(level_axes(up))
     bottom = float(height.min())
     low = points[height < bottom + min(RAGGED, BENT * float(np.ptp(height)))]

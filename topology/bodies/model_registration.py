@@ -68,10 +68,10 @@ def register(model: Model, seen: FloatArray, excluded: Excluded, towards: FloatA
     """
     search = _Search(model, seen, excluded)
     starts = search.starts(towards)
-    to_model, costs = search.settled(starts)
+    to_model, costs = search.settle(starts)
     if costs.min() > SETTLED:  # outlines misled: ends are hidden
         starts = search.slid(starts)
-        wide, others = search.settled(
+        wide, others = search.settle(
             starts[np.argsort(search.costs(starts, FEW), kind="stable")[:MOST_STARTS]]
         )
         to_model, costs = np.concatenate([to_model, wide]), np.concatenate([costs, others])
@@ -110,7 +110,7 @@ class _Search:
         to_model[:, :3, 3] = -np.einsum("kij,kj->ki", to_model[:, :3, :3], shift @ axes)
         return to_model
 
-    def moved(self, to_model: FloatArray, count: int, reach: float, contradicted: bool) -> FloatArray:
+    def move_once(self, to_model: FloatArray, count: int, reach: float, contradicted: bool) -> FloatArray:
         """One round of matching and moving (Gauss-Newton, linear in small turns).
 
         Args:
@@ -143,11 +143,11 @@ class _Search:
         move[:, :3, 3], move[:, 3, 3] = step[:, 3:], 1.0
         return move @ to_model
 
-    def settled(self, to_model: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def settle(self, to_model: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Where the best of some poses settle, and (K,) their costs."""
         for kept, points, rounds, reach, contradicted in STAGES:
             for _ in range(rounds):
-                to_model = self.moved(to_model, points, reach, contradicted)
+                to_model = self.move_once(to_model, points, reach, contradicted)
             to_model = self.distinct(to_model, points, kept)
         return to_model, self.costs(to_model, len(self._seen))
 
@@ -234,7 +234,7 @@ def _points_at(poses: FloatArray, points: FloatArray) -> FloatArray:
 def _equations(
     points: FloatArray, ways: FloatArray, offset: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """What is left along ways (K, n, d, 3), and how a small turn and shift change it, of points (K, n, 3)."""
+    """Linearise the gaps along ways (K, n, d, 3) by a small turn and shift of points (K, n, 3)."""
     turning = np.cross(points[..., None, :], ways)
     scale = np.sqrt(weights)[..., None]
     rows = scale * np.concatenate([turning, ways], axis=-1)

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.bodies.tolerances import (
     FACE_SAMPLES,
     FRACTIONS,
@@ -178,7 +178,7 @@ def convex_parts(
             settled.append(piece)
         else:
             pieces.extend(halves)
-    return tuple(frozen(piece.corners) for piece in settled + pieces)
+    return tuple(freeze(piece.corners) for piece in settled + pieces)
 
 
 def _thin_to(points: FloatArray, count: int) -> FloatArray:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.base.arrays import BoolArray, FloatArray, rounded
+from topple.topology.base.arrays import BoolArray, FloatArray, round_off
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.tolerances import DEPTH_NOISE
 from topple.topology.bodies.matter import MATTER, plates_along
@@ -16,7 +16,7 @@ from topple.topology.bodies.tolerances import BOARD, GRAIN, HOLLOW, SKIN, SKY, S
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.pieces import pieces_of
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.samples import centre_of_mass
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import spacing_of, voxel_means
@@ -266,7 +266,7 @@ def hull_vertices(points: FloatArray) -> FloatArray:
         return points
     centred = points - points.mean(axis=0)
     _, _, axes = np.linalg.svd(centred, full_matrices=False)
-    along = rounded(centred @ axes.T)
+    along = round_off(centred @ axes.T)
     rank = int(np.count_nonzero(np.ptp(along, axis=0) > 1e-6))
     if rank < 2:
         return points[[int(np.argmin(along[:, 0])), int(np.argmax(along[:, 0]))]]
@@ -276,7 +276,7 @@ def hull_vertices(points: FloatArray) -> FloatArray:
         return points
 
 
-def moved(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ...]:
+def move_parts(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ...]:
     """Parts under a rigid transform.
 
     Args:
@@ -286,4 +286,4 @@ def moved(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ..
     Returns:
         The transformed parts.
     """
-    return tuple(transformed(part, pose) for part in parts)
+    return tuple(move_points(part, pose) for part in parts)

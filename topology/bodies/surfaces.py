@@ -67,7 +67,7 @@ class Surfaces:
 
     @cached_property
     def sight(self) -> FreeSpace | None:
-        """What the cameras saw to be empty, in the upright frame; None where no camera is known."""
+        """Space that the cameras saw to be empty, in the upright frame; None where no camera is known."""
         upright, scene = self.upright, self.scene
         if upright.viewpoints is None or scene is None:
             return None

@@ -17,12 +17,12 @@ from topple.topology.base.arrays import (
     FloatArray,
     IntArray,
     bounds,
-    frozen,
+    freeze,
     median_of,
     middle_of,
     quantiles_of,
 )
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.base.tolerances import DEPTH_NOISE
 from topple.topology.bodies.tolerances import (
     FACES,
@@ -146,7 +146,7 @@ def tops_of(cloud: FloatArray, up: FloatArray) -> Tops:
     for level in _levels(cloud, up):
         rest &= ~level.members
         points = cloud if level.members.all() else cloud[level.members]
-        tops.append(Top(frozen(level.normal), level.height, points, level.thickness, level.walled))
+        tops.append(Top(freeze(level.normal), level.height, points, level.thickness, level.walled))
     return Tops(tuple(tops), cloud[rest])
 
 
@@ -270,7 +270,7 @@ class _Level:
     walled: bool = False
 
 
-@remembered(REMEMBERED)
+@remember(REMEMBERED)
 def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
     """The tops of a cloud, highest first."""
     surface = _surface(cloud, up)

@@ -9,14 +9,14 @@ import numpy as np
 from topple.topology.base.arrays import (
     FloatArray,
     bounds,
-    frozen,
+    freeze,
     median_of,
     middle_of,
-    rounded,
+    round_off,
     within_corners,
 )
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.base.tolerances import KEPT_AROUND, VOXEL
 from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.tolerances import KEPT_BODIES, KEPT_FRAMES, SUNK
@@ -120,28 +120,28 @@ class Upright:
         lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
         return Upright(
-            rotation=frozen(rotation),
-            clouds=FrozenDict({name: frozen(clouds[name]) for name in scene.clouds}),
+            rotation=freeze(rotation),
+            clouds=FrozenDict({name: freeze(clouds[name]) for name in scene.clouds}),
             fixed=frozenset(scene.fixed),
-            viewpoints=None if views is None else frozen(views),
+            viewpoints=None if views is None else freeze(views),
             floor=_floor(clouds, tops, lowest),
             tops=FrozenDict(tops),
             rest=FrozenDict(rest),
             friction=scene.friction,
             whole=scene.whole,
-            centres=FrozenDict({name: rounded(rotation @ at) for name, at in scene.centres.items()}),
+            centres=FrozenDict({name: round_off(rotation @ at) for name, at in scene.centres.items()}),
         )
 
 
 def _rotate(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
     """A cloud (N, 3) in a frame whose axes are the rows of a rotation."""
-    return rounded(cloud @ rotation.T)
+    return round_off(cloud @ rotation.T)
 
 
-@remembered(KEPT_BODIES)
+@remember(KEPT_BODIES)
 def _rotate_and_thin(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
     """The same with one point a voxel."""
-    return frozen(voxel_means(_rotate(cloud, rotation), VOXEL))
+    return freeze(voxel_means(_rotate(cloud, rotation), VOXEL))
 
 
 def _axes(scene: Scene, up: FloatArray) -> FloatArray:
@@ -157,7 +157,7 @@ def _axes(scene: Scene, up: FloatArray) -> FloatArray:
     return _along(telling[0] if telling else np.zeros((1, 3)), up)
 
 
-@remembered(KEPT_FRAMES)
+@remember(KEPT_FRAMES)
 def _along(cloud: FloatArray, up: FloatArray) -> FloatArray:
     """(3, 3) upright axes that turn with a cloud (N, 3)."""
     level = np.stack(level_axes(up))
@@ -168,7 +168,7 @@ def _along(cloud: FloatArray, up: FloatArray) -> FloatArray:
     tails = np.einsum("ni->i", far * far * far)
     most = int(np.argmax(np.abs(tails)))
     along = sides[most] * (1.0 if tails[most] >= 0 else -1.0) @ level
-    return frozen(np.stack([along, np.cross(up, along), up]))
+    return freeze(np.stack([along, np.cross(up, along), up]))
 
 
 def _surroundings(clouds: list[FloatArray]) -> list[_Box]:
@@ -207,8 +207,8 @@ def _taken_apart(
     if found.flat:
         return (near,), np.empty((0, 3))
     *tops, rest = (_crop(piece, boxes) for piece in _pieces(found))
-    kept = tuple(frozen(top) for top in tops if len(top))
-    return kept, frozen(rest) if kept else near
+    kept = tuple(freeze(top) for top in tops if len(top))
+    return kept, freeze(rest) if kept else near
 
 
 def _pieces(found: Tops) -> list[FloatArray]:

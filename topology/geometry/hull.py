@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.base.arrays import FloatArray, IntArray, bounds, frozen, frozen_int
+from topple.topology.base.arrays import FloatArray, IntArray, bounds, freeze, frozen_int
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.tolerances import TOLERANCES
 from topple.topology.base.values import ByValue
@@ -194,12 +194,12 @@ def _solid(local: FloatArray, centre: FloatArray, lower: FloatArray, upper: Floa
     turned = np.einsum("ij,ij->i", cross(second - corner, third - corner), qhull.equations[:, :3]) < 0
     faces[turned] = faces[turned][:, [0, 2, 1]]
     return Hull(
-        vertices=frozen(vertices + centre),
+        vertices=freeze(vertices + centre),
         faces=frozen_int(faces),
-        normals=frozen(equations[:, :3]),
-        offsets=frozen(equations[:, 3] - equations[:, :3] @ centre),
-        lower=frozen(lower),
-        upper=frozen(upper),
+        normals=freeze(equations[:, :3]),
+        offsets=freeze(equations[:, 3] - equations[:, :3] @ centre),
+        lower=freeze(lower),
+        upper=freeze(upper),
         dimension=3,
         volume=float(qhull.volume),
     )
@@ -234,12 +234,12 @@ def _degenerate(
         offsets.append(np.array([-along[:, axis].max(), along[:, axis].min()]))
     all_normals = np.concatenate(normals)
     return Hull(
-        vertices=frozen(local[chosen] + centre),
+        vertices=freeze(local[chosen] + centre),
         faces=frozen_int(faces),
-        normals=frozen(all_normals),
-        offsets=frozen(np.concatenate(offsets) - all_normals @ centre),
-        lower=frozen(lower),
-        upper=frozen(upper),
+        normals=freeze(all_normals),
+        offsets=freeze(np.concatenate(offsets) - all_normals @ centre),
+        lower=freeze(lower),
+        upper=freeze(upper),
         dimension=dimension,
         volume=0.0,
     )

@@ -5,7 +5,7 @@ import numpy as np
 from topple.topology.base.arrays import FloatArray
 
 
-def transformed(points: FloatArray, pose: FloatArray) -> FloatArray:
+def move_points(points: FloatArray, pose: FloatArray) -> FloatArray:
     """Move points by a rigid transform.
 
     Args:

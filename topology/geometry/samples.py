@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 
 
-def sampled(solid: Sequence[FloatArray], spacing: float) -> FloatArray:
+def sample(solid: Sequence[FloatArray], spacing: float) -> FloatArray:
     """Points (N, 3) spread over the surfaces of convex parts, about `spacing` [m] apart."""
     return sampled_with_normals(solid, spacing)[0]
 
@@ -47,7 +47,7 @@ def _triangle_grid(steps: int) -> tuple[FloatArray, FloatArray]:
     i, j = np.meshgrid(np.arange(steps), np.arange(steps), indexing="ij")
     u, v = (i + 1.0 / 3.0) / steps, (j + 1.0 / 3.0) / steps
     inside = u + v < 1.0
-    return frozen(u[inside][:, None]), frozen(v[inside][:, None])
+    return freeze(u[inside][:, None]), freeze(v[inside][:, None])
 
 
 def centre_of_mass(points: FloatArray, solid: Sequence[FloatArray] = ()) -> FloatArray:

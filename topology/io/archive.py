@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topple.topology.base.errors import InvalidInput
-from topple.topology.io.limits import check_size, opened
+from topple.topology.io.limits import check_size, open_file
 
 Array = NDArray[Any]
 
@@ -53,7 +53,7 @@ def read_arrays(path: Path, plain: str = "") -> dict[str, Array]:
         InvalidInput: If the file is neither, is broken, holds a pickle, or names an array twice.
         OSError: If the file cannot be read.
     """
-    with opened(path, "the file") as file:
+    with open_file(path, "the file") as file:
         start = file.read(16)
         file.seek(0)
         if start.startswith(_ZIP):

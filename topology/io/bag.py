@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts
 from topple.topology.io.labelled import parts_from_labelled
-from topple.topology.io.limits import check_size, opened
+from topple.topology.io.limits import check_size, open_file
 from topple.topology.io.pcd import LABELS
 from topple.topology.io.picture import read_picture
-from topple.topology.io.recording import recording
+from topple.topology.io.recording import open_recording
 from topple.topology.io.rgbd import parts_from_rgbd
 from topple.topology.io.tolerances import APART, SAME_PLACE
 from topple.topology.io.transforms import intrinsics_of, labels_from, pose_in, to_root
@@ -42,7 +42,7 @@ def reads(path: Path) -> bool:
     """Tell one by how it begins, or a folder of ROS 2 by its metadata."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file()
-    with opened(path, "the recording") as file:
+    with open_file(path, "the recording") as file:
         return file.read(16).startswith(_MAGIC)
 
 
@@ -70,7 +70,7 @@ def read(
         InvalidInput: A topic is not there or of another type, a message is broken, or nothing fits together.
         NotInstalled: The package rosbags is not there.
     """
-    with recording(path) as reader:
+    with open_recording(path) as reader:
         bag = _Bag(reader)
         stream = bag.stream(depth, info, labels)
         moments = bag.moments(stream.depth)
@@ -103,7 +103,7 @@ def frames(
         InvalidInput: As for `read`.
         NotInstalled: As for `read`.
     """
-    with recording(path) as reader:
+    with open_recording(path) as reader:
         bag = _Bag(reader)
         stream = bag.stream(depth, info, labels)
         for moment in bag.moments(stream.depth):
@@ -192,14 +192,14 @@ class _Bag:
         return next(self._messages(topic, moment))[0], abs(moment[0] - stamp) / _SECOND
 
     def frame(self, stream: _Stream, moment: _Moment) -> Parts:
-        """What one frame says."""
+        """Read one frame."""
         message = next(self._messages(stream.depth, moment))[0]
         arrays, notes = self._poses_of_camera(message.header.frame_id, moment[0])
         where = f"{stream.depth.topic} at {moment[0] / _SECOND:.3f} s"
         if stream.info is None or stream.labels is None:
             points, labels = labelled_points(message, where)
             pose = arrays.pop("pose_camera_to_world")
-            arrays |= {"points": transformed(points, pose), "labels": labels, "viewpoints": pose[None, :3, 3]}
+            arrays |= {"points": move_points(points, pose), "labels": labels, "viewpoints": pose[None, :3, 3]}
             parts = parts_from_labelled(arrays)
         else:
             masks, apart = self._nearest(stream.labels, moment[0])

@@ -13,11 +13,11 @@ from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import as_pose, numeric
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.tolerances import FARTHEST_DEPTH, FEWEST_SEEN
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
-from topple.topology.io.limits import allowing_below, read_text
+from topple.topology.io.limits import allow_below, read_text
 from topple.topology.io.picture import read_picture
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene.mesh import Mesh
@@ -233,10 +233,10 @@ def _place_models(path: Path, poses: list[Any], names: Mapping[str, int], to_wor
     parts = Parts(clouds={})
     for name, row in names.items():
         file = _model(path, poses[row]["obj_id"])
-        with allowing_below(file.parents[1]):  # the models of a dataset stand beside its scenes
+        with allow_below(file.parents[1]):  # the models of a dataset stand beside its scenes
             points, faces, vertices = read_geometry(file, f"model {file.name}", _MILLIMETRE)
         pose = to_world @ _pose(poses[row], "m2c", f"{_TRUTH}, object {row}")
-        points, vertices = (transformed(each, pose) for each in (points, vertices))
+        points, vertices = (move_points(each, pose) for each in (points, vertices))
         parts.clouds[name] = points
         if faces is not None:
             parts.meshes[name] = Mesh(vertices, faces)

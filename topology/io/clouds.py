@@ -47,7 +47,7 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
         masses=masses,
         friction=friction,
         centres=centres,
-        notes=ignored(arrays, {*clouds, *OWN, *BY_NAME}),
+        notes=note_unused(arrays, {*clouds, *OWN, *BY_NAME}),
     )
 
 
@@ -77,7 +77,7 @@ def amounts_in(arrays: Mapping[str, Array], key: str) -> object:
     return read_json(text, key)
 
 
-def ignored(arrays: Mapping[str, Array], used: Collection[str]) -> list[str]:
+def note_unused(arrays: Mapping[str, Array], used: Collection[str]) -> list[str]:
     """The note on the arrays of a file that were not used, if there are any."""
     left = sorted(set(arrays).difference(used))
     return [f"not used, being unknown: the array{'s' * (len(left) > 1)} {', '.join(left)}"] if left else []

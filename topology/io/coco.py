@@ -73,7 +73,7 @@ def scene_from_coco(
 
 
 def _kinds(categories: Mapping[int, str] | Sequence[Mapping[str, Any]]) -> dict[int, str]:
-    """What the categories are called."""
+    """Name each category by its number."""
     try:
         told = (
             dict(categories) if isinstance(categories, Mapping) else {c["id"]: c["name"] for c in categories}

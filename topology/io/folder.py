@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import as_name, as_points, as_pose
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import SUFFIXES, read_geometry
 from topple.topology.io.limits import check_place, read_text
@@ -86,7 +86,7 @@ def read(path: Path) -> Parts:
 def _add_object(parts: Parts, name: str, file: Path, pose_object_to_world: FloatArray | None) -> None:
     points, faces, vertices = read_geometry(file, f"cloud {name!r} ({file.name})")
     if pose_object_to_world is not None:
-        points, vertices = (transformed(each, pose_object_to_world) for each in (points, vertices))
+        points, vertices = (move_points(each, pose_object_to_world) for each in (points, vertices))
     parts.clouds[name] = points
     if faces is not None:
         parts.meshes[name] = Mesh(as_points(vertices, f"mesh {name!r} ({file.name})"), faces)
@@ -147,7 +147,7 @@ def _note_on_unused(folder: Path, used: Iterable[Path]) -> list[str]:
 
 
 def _kind_of(place: Path) -> str:
-    """What follows the name of what is not used: that it is a folder, or numbers that are no cloud."""
+    """Say after an unused file's name that it is a folder, or numbers that are no cloud."""
     if place.suffix.lower() in TEXTS and place.is_file() and (other := no_cloud(place)) not in (None, NOTES):
         return f" ({other})"
     return "/" * place.is_dir()

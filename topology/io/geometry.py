@@ -73,7 +73,7 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
 
 
 def as_read(path: Path, what: str) -> BytesIO:
-    """What trimesh reads of a file: its content without what it stumbles over, and no file that it names.
+    """Read a file for trimesh, without the parts it stumbles over and the names of other files.
 
     Raises:
         InvalidInput: If it is a PLY or STL that is cut short, or no file, or too large.
@@ -84,7 +84,7 @@ def as_read(path: Path, what: str) -> BytesIO:
 
 
 def load_with_trimesh(path: Path, what: str, **options: Any) -> Any:
-    """What trimesh makes of a file, which names no other one; its errors in one line.
+    """Load a file, which names no other one, with trimesh; its errors in one line.
 
     Args:
         path: The file.

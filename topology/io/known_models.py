@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import BoolArray, FloatArray, rounded
+from topple.topology.base.arrays import BoolArray, FloatArray, round_off
 from topple.topology.bodies.model_registration import Excluded, register
 from topple.topology.bodies.tolerances import (
     AGREED,
@@ -21,7 +21,7 @@ from topple.topology.bodies.tolerances import (
     SEEN_THROUGH,
 )
 from topple.topology.bodies.tops import tops_of
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.geometry.thin import thinned
 from topple.topology.io.model_files import meant_by, model_files, read_model
 from topple.topology.scene.cloud import clean
@@ -74,9 +74,9 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
         fit = fits[name] = replace(fit, seen=scene.seen(name), refused=_refusal(fit, len(seen)))
         notes.append(_sentence(name, fit))
         if fit.refused is None:
-            clouds[name] = rounded(transformed(points, fit.pose_model_to_world))
+            clouds[name] = round_off(move_points(points, fit.pose_model_to_world))
             if faces is not None:
-                meshes[name] = Mesh(transformed(vertices, fit.pose_model_to_world), faces)
+                meshes[name] = Mesh(move_points(vertices, fit.pose_model_to_world), faces)
     if without:
         notes.append(f"no model in {os.fspath(folder)} is called as {', '.join(without)}: kept as seen")
     return Scene(
@@ -112,17 +112,17 @@ def _space_excluded(scene: Scene, seen: FloatArray, sight: FreeSpace | None) -> 
     found = [] if up is None else [tops_of(scene.clouds[name], up).under(seen) for name in scene.fixed]
     grounds = [top for top in found if top is not None]
 
-    def excluded(places: FloatArray) -> BoolArray:
+    def exclude(places: FloatArray) -> BoolArray:
         barred = np.zeros(len(places), dtype=np.bool_) if sight is None else sight.empty(places, SEEN_THROUGH)
         for ground in grounds:
             barred |= ground.above(places) < -INTO
         return barred
 
-    return excluded
+    return exclude
 
 
 def _refusal(fit: ModelFit, points: int) -> str | None:
-    """What is wrong with a fit, in words; None where it can be trusted."""
+    """Say why a fit cannot be trusted; None where it can."""
     if points < MODEL_FEWEST:
         return f"{points} points of it were seen, at least {MODEL_FEWEST} needed"
     if fit.residual > MODEL_RESIDUAL:

@@ -8,7 +8,7 @@ from topple.topology.base.checks import numeric
 from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
-from topple.topology.io.clouds import ignored
+from topple.topology.io.clouds import note_unused
 from topple.topology.io.labels import NAMING, fixed_labels, label_names
 from topple.topology.scene.write import SPECIAL
 
@@ -54,5 +54,5 @@ def parts_from_labelled(arrays: Mapping[str, Array]) -> Parts:
         table_plane=arrays.get("table_plane"),
         robot_base=arrays.get("robot_base"),
         background=points[(labels == 0) & seen],
-        notes=ignored(arrays, ("points", "labels", *NAMING, *SPECIAL)),
+        notes=note_unused(arrays, ("points", "labels", *NAMING, *SPECIAL)),
     )

@@ -17,7 +17,7 @@ _outermost: ContextVar[Path | None] = ContextVar("_outermost", default=None)
 
 
 @contextmanager
-def allowing(size: int | None, root: Path | None) -> Generator[None, None, None]:
+def allow(size: int | None, root: Path | None) -> Generator[None, None, None]:
     """Say in a block what files may be.
 
     Args:
@@ -33,7 +33,7 @@ def allowing(size: int | None, root: Path | None) -> Generator[None, None, None]
 
 
 @contextmanager
-def confined(root: Path) -> Generator[None, None, None]:
+def confine(root: Path) -> Generator[None, None, None]:
     """Say in a block that nothing outside a folder is read, whatever a format or a caller allows besides."""
     before = _outermost.set(root)
     try:
@@ -43,9 +43,9 @@ def confined(root: Path) -> Generator[None, None, None]:
 
 
 @contextmanager
-def allowing_below(folder: Path) -> Generator[None, None, None]:
+def allow_below(folder: Path) -> Generator[None, None, None]:
     """Say that files may lie in another folder, which a format names, where they may not lie anywhere."""
-    with allowing(None, None if _root.get() is None else folder):
+    with allow(None, None if _root.get() is None else folder):
         yield
 
 
@@ -77,7 +77,7 @@ def check_place(path: Path, what: str) -> Path:
 
 
 @contextmanager
-def opened(path: Path, what: str) -> Generator[BinaryIO, None, None]:
+def open_file(path: Path, what: str) -> Generator[BinaryIO, None, None]:
     """Open a file to read it. Everything that is read passes here.
 
     Args:
@@ -113,10 +113,10 @@ def read_bytes(path: Path, what: str) -> bytes:
         Its content.
 
     Raises:
-        InvalidInput: As for `opened`, or it is too large.
+        InvalidInput: As for `open_file`, or it is too large.
         OSError: It cannot be read.
     """
-    with opened(path, what) as file:
+    with open_file(path, what) as file:
         size = os.fstat(file.fileno()).st_size
         check_size(size, what)
         return file.read(size)
@@ -150,7 +150,7 @@ def read_text(path: Path, what: str) -> str:
         raise InvalidInput(f"{what} is no text: {error}") from error
 
 
-def allowed() -> int:
+def size_limit() -> int:
     """Bytes that a file may unpack to."""
     return _most.get()
 

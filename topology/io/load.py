@@ -12,9 +12,9 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import Names, as_direction, as_names
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.plugins import Table, expected
+from topple.topology.base.plugins import Table, check_kind
 from topple.topology.io.assemble import Parts, assemble
-from topple.topology.io.limits import allowing
+from topple.topology.io.limits import allow
 from topple.topology.scene.scene import Scene
 
 
@@ -26,7 +26,7 @@ class Reader(Protocol):
         ...
 
     def read(self, path: Path, **options: Any) -> Parts:
-        """What it says: `Parts(clouds={name: points})` and what else it knows.
+        """Read a file: `Parts(clouds={name: points})` and whatever else it knows.
 
         Raises:
             InvalidInput: If it is broken; one line with what was expected.
@@ -111,7 +111,7 @@ def load_scene(
     if isinstance(models, bool):
         options["models"] = models
     try:
-        with allowing(most_bytes, None if allow_outside else place):
+        with allow(most_bytes, None if allow_outside else place):
             parts = _read(place, options)
             scene = assemble(
                 parts, as_names(fixed), given_up if up is None else up,
@@ -121,7 +121,7 @@ def load_scene(
                 return scene
             from topple.topology.io.known_models import with_models  # which few ask for
 
-        with allowing(most_bytes, None if allow_outside else Path(models)):
+        with allow(most_bytes, None if allow_outside else Path(models)):
             return with_models(scene, models)
     except InvalidInput as error:
         _name_the_file(error, os.fspath(path))
@@ -163,8 +163,8 @@ def _read(path: Path, options: dict[str, Any]) -> Parts:
         if known and (found := READERS.first(lambda reader: reader.reads(path))) is not None:
             name, reader = found
             _check_options(name, reader, options)
-            with READERS.blamed(name):
-                return expected(reader.read(path, **options), Parts)
+            with READERS.blame(name):
+                return check_kind(reader.read(path, **options), Parts)
     except OSError as error:
         raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
     raise InvalidInput(

@@ -15,7 +15,7 @@ from topple.topology.base.checks import Names, as_names
 from topple.topology.base.errors import InvalidInput, NotInstalled
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.geometry import sampled_mesh
-from topple.topology.io.limits import allowing_below, read_bytes, read_text
+from topple.topology.io.limits import allow_below, read_bytes, read_text
 from topple.topology.io.tolerances import AROUND, ROUND_SIDES
 from topple.topology.scene.mesh import Mesh
 from topple.topology.scene.scene import Scene
@@ -59,7 +59,7 @@ def parts_from_mjcf(text: str, folder: Path, keyframe: str | int | None = None) 
     """
     mujoco = _engine()
     files: dict[str, bytes] = {}
-    with allowing_below(folder):
+    with allow_below(folder):
         _collect(text, folder, files, {})
     try:
         model = mujoco.MjModel.from_xml_string(text, files)

@@ -10,7 +10,7 @@ import numpy as np
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.base.checks import as_name, as_points
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import as_read, check_obj, load_with_trimesh, sampled_mesh
 from topple.topology.io.tolerances import MOST_PIECES
@@ -65,7 +65,7 @@ def _nodes(path: Path) -> dict[str, list[_Piece]]:
         faces = np.asarray(getattr(graph.geometry[geometry], "faces", ()), dtype=np.int64)
         if len(faces):
             corners = np.asarray(graph.geometry[geometry].vertices, dtype=np.float64)
-            placed = transformed(corners, np.asarray(pose, dtype=np.float64))  # scales, too
+            placed = move_points(corners, np.asarray(pose, dtype=np.float64))  # scales, too
             found.setdefault(owners[node], []).append((placed, faces.reshape(-1, 3)))
     return found
 

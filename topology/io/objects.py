@@ -11,7 +11,7 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import Names, as_names, as_points, as_pose
 from topple.topology.base.errors import InvalidInput, UnknownObject
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.bag import labelled_points
 from topple.topology.io.geometry import Geometry, sampled_mesh
@@ -84,7 +84,7 @@ def scene_from_objects(
         points, faces, vertices = geometry_of(thing, f"cloud {name!r}")
         if (pose := placed.get(name)) is not None:
             matrix = pose_of(pose, f"pose of {name!r}")
-            points, vertices = (transformed(each, matrix) for each in (points, vertices))
+            points, vertices = (move_points(each, matrix) for each in (points, vertices))
         parts.clouds[name] = points
         if faces is not None:
             parts.meshes[name] = Mesh(as_points(vertices, f"mesh {name!r}"), faces)

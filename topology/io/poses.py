@@ -5,10 +5,10 @@ from typing import Any, cast
 
 from topple.topology.base.checks import as_name, as_points, as_pose
 from topple.topology.base.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
-from topple.topology.io.limits import allowing_below, read_text
+from topple.topology.io.limits import allow_below, read_text
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene.mesh import Mesh
 
@@ -42,7 +42,7 @@ def read(path: Path) -> Parts:
     if not isinstance(listed, list) or not listed:
         raise InvalidInput(f"it lists no objects: expected {_EXPECTED}")
     parts = Parts({}, **{key: described[key] for key in _KNOWN if key in described})
-    with allowing_below(path.parent):
+    with allow_below(path.parent):
         for number, entry in enumerate(cast(list[Any], listed)):
             _add(parts, path.parent, number, entry)
     return parts
@@ -57,6 +57,6 @@ def _add(parts: Parts, folder: Path, number: int, entry: Any) -> None:
         raise InvalidInput(f"two objects are called {name!r}: give each its own name")
     pose = as_pose(entry.get("pose"), f"pose of {name!r}")
     points, faces, vertices = read_geometry(folder / cast(str, entry["mesh"]), f"mesh of {name!r}")
-    parts.clouds[name] = transformed(points, pose)
+    parts.clouds[name] = move_points(points, pose)
     if faces is not None:
-        parts.meshes[name] = Mesh(as_points(transformed(vertices, pose), f"mesh {name!r}"), faces)
+        parts.meshes[name] = Mesh(as_points(move_points(vertices, pose), f"mesh {name!r}"), faces)

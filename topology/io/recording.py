@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from topple.topology.base.errors import InvalidInput, NotInstalled
-from topple.topology.io.limits import opened
+from topple.topology.io.limits import open_file
 from topple.topology.io.tolerances import LONGEST_DEFINITION
-from topple.topology.io.unpack import bounded, check_chunks
+from topple.topology.io.unpack import check_chunks, limit_unpacking
 
 _UNREAD = re.compile(r"//[^\n]*|/\*[\s\S]*?\*/|'[^'\n]*'" + r'|"(?:[^"\\]|\\.)*"')
 """Text and comments of a definition."""
@@ -18,7 +18,7 @@ _COMPUTED = re.compile(r"\([^()]*\(|=[^;@\n(]*\(")
 
 
 @contextmanager
-def recording(path: Path) -> Generator[Any, None, None]:
+def open_recording(path: Path) -> Generator[Any, None, None]:
     """Open a recording.
 
     Args:
@@ -38,14 +38,14 @@ def recording(path: Path) -> Generator[Any, None, None]:
         raise NotInstalled("recordings of ROS need rosbags", "ros") from error
     for place in path.iterdir() if path.is_dir() else ():  # what metadata.yaml names is beside it
         if not place.is_dir():
-            with opened(place, place.name):
+            with open_file(place, place.name):
                 pass
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         for part in reader.readers:
-            with bounded(reader.readers), part:
+            with limit_unpacking(reader.readers), part:
                 _check_definitions(part.connections)
-        with bounded(reader.readers), reader:
+        with limit_unpacking(reader.readers), reader:
             check_chunks(reader.readers)
             yield reader
     except (InvalidInput, GeneratorExit):

@@ -11,7 +11,7 @@ from topple.topology.base.checks import Names, as_names, numeric
 from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import MASK_KEYS, STACK_KEY, Array
 from topple.topology.io.assemble import Parts, assemble
-from topple.topology.io.clouds import amounts_in, ignored
+from topple.topology.io.clouds import amounts_in, note_unused
 from topple.topology.io.labels import NAMING, fixed_labels, label_names, label_of_stack
 from topple.topology.scene.scene import Scene
 from topple.topology.scene.write import SPECIAL
@@ -56,7 +56,7 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
         masses=amounts_in(arrays, "masses"),
         friction=amounts_in(arrays, "friction"),
         background=image.background(),
-        notes=[*notes, *ignored(arrays, (*_KEYS, *NAMING, *SPECIAL, mask))],
+        notes=[*notes, *note_unused(arrays, (*_KEYS, *NAMING, *SPECIAL, mask))],
     )
 
 

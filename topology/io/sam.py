@@ -20,7 +20,7 @@ from topple.topology.io.archive import MASK_KEYS, STACK_KEY, Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.coco import mask_of
 from topple.topology.io.labels import label_of_stack
-from topple.topology.io.limits import allowing, read_text
+from topple.topology.io.limits import allow, read_text
 from topple.topology.io.rgbd import as_stack, parts_from_rgbd
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene.scene import Scene
@@ -105,7 +105,7 @@ def read_masks(path: str | os.PathLike[str]) -> Any:
     """
     place = Path(path)
     try:
-        with allowing(None, place):
+        with allow(None, place):
             if place.suffix.lower() == ".json":
                 found = read_json(read_text(place, place.name), place.name)
                 found = cast(dict[str, Any], found).get("annotations") if isinstance(found, dict) else found

@@ -16,7 +16,7 @@ from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.bag import frames, reads
 from topple.topology.io.clouds import amounts_in
-from topple.topology.io.limits import allowing, check_place
+from topple.topology.io.limits import allow, check_place
 from topple.topology.io.load import load_scene
 from topple.topology.io.tolerances import FAR_OUT, TABLE_STEP, UNIT
 from topple.topology.scene.scene import Scene
@@ -66,7 +66,7 @@ def load_sequence(
         files = sorted(file for file in place.iterdir() if not file.name.startswith("."))
         if not files:
             raise InvalidInput(f"{os.fspath(path)}: the folder is empty: expected one scene per frame")
-        with allowing(None, None if options.get("allow_outside") else place):
+        with allow(None, None if options.get("allow_outside") else place):
             for file in files:
                 check_place(file, os.fspath(file))
         yield from (load_scene(file, fixed=fixed, up=up, **options) for file in files)

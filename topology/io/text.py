@@ -8,7 +8,7 @@ import numpy as np
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.tolerances import FEWEST_SEEN
-from topple.topology.io.limits import check_size, opened, read_text
+from topple.topology.io.limits import check_size, open_file, read_text
 from topple.topology.io.tolerances import EARLIEST, LINE_BYTES, LOOKED_AT, UNIT_ROW
 
 TEXTS = (".xyz", ".txt", ".csv", ".pts", ".asc")
@@ -66,7 +66,7 @@ def no_cloud(path: Path) -> str | None:
         `NOTES` where most lines are no rows of numbers; "a 4 x 4 matrix", "a trajectory" or the like; None
         where it is a cloud, or what shall be refused as one.
     """
-    with opened(path, path.name) as file:
+    with open_file(path, path.name) as file:
         start = file.read(LOOKED_AT)
     lines = start.decode("utf-8-sig", "replace").splitlines()
     lines = lines[:-1] if len(start) == LOOKED_AT else lines  # which is cut short

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from topple.topology.base.errors import InvalidInput
-from topple.topology.io.limits import allowed, check_size
+from topple.topology.io.limits import check_size, size_limit
 
 _CHUNK = "a packed part of it"
 _unpacked: ContextVar[list[int] | None] = ContextVar("_unpacked", default=None)
@@ -20,7 +20,7 @@ _unpacked: ContextVar[list[int] | None] = ContextVar("_unpacked", default=None)
 
 
 @contextmanager
-def bounded(readers: Iterable[Any]) -> Generator[None, None, None]:
+def limit_unpacking(readers: Iterable[Any]) -> Generator[None, None, None]:
     """Bound in a block what readers of rosbags unpack.
 
     Args:
@@ -116,7 +116,7 @@ def _message(zstd: Any, data: bytes) -> bytes:
     stated = zstd.get_frame_info(data).decompressed_size
     if stated is not None:
         check_size(stated, _CHUNK)
-    return _up_to(zstd.ZstdDecompressor, allowed() if stated is None else stated, data)
+    return _up_to(zstd.ZstdDecompressor, size_limit() if stated is None else stated, data)
 
 
 def _up_to(kind: Callable[[], Any], size: int, data: bytes) -> bytes:

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.topology.base.errors import InvalidInput
 from topple.topology.io.archive import MASK_KEYS, STACK_KEY, read_arrays
-from topple.topology.io.limits import allowing
+from topple.topology.io.limits import allow
 from topple.topology.io.rgbd import image_from_rgbd
 from topple.topology.views.image import DepthImage
 
@@ -28,7 +28,7 @@ def read_view(path: str | os.PathLike[str], most_bytes: int | None = None) -> De
     """
     place = Path(path)
     try:
-        with allowing(most_bytes, None):
+        with allow(most_bytes, None):
             arrays = read_arrays(place)
             if not any(key in arrays for key in (*MASK_KEYS, STACK_KEY)) and "depth" in arrays:
                 arrays["label"] = np.zeros(arrays["depth"].shape, dtype=np.uint8)

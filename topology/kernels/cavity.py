@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from topple.topology.base.arrays import BoolArray, FloatArray
 
 
-def walled(
+def wall_around(
     places: "FloatArray", wall: "FloatArray", height: float, slope: float, sectors: int, least: int
 ) -> "BoolArray":
     """Tell around which places a wall stands higher.
@@ -45,7 +45,7 @@ def walled(
     return found
 
 
-def roofed(places: "FloatArray", wall: "FloatArray", height: float, aside: float) -> "BoolArray":
+def wall_above(places: "FloatArray", wall: "FloatArray", height: float, aside: float) -> "BoolArray":
     """Tell above which places there is a wall.
 
     Args:
@@ -67,7 +67,7 @@ def roofed(places: "FloatArray", wall: "FloatArray", height: float, aside: float
 
 
 def _arrays(places: "FloatArray", wall: "FloatArray") -> tuple[int, int, int, int]:
-    """What both kernels take; the caller holds arrays that are contiguous."""
+    """Arguments of both kernels; the caller holds arrays that are contiguous."""
     return address(places), len(places), address(wall), len(wall)
 
 

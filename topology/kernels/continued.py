@@ -64,7 +64,7 @@ def planes_around(pixels: Pixels, at: "IntArray") -> "FloatArray":
     return np.stack([level - slope_down * row - slope_right * column, slope_down, slope_right])
 
 
-def continued(pixels: Pixels, at: "IntArray", own: bool) -> "tuple[IntArray, IntArray, BoolArray]":
+def continue_surfaces(pixels: Pixels, at: "IntArray", own: bool) -> "tuple[IntArray, IntArray, BoolArray]":
     """Tell which surfaces pixels continue.
 
     From each rays go in eight directions to the nearest insides, and the plane there is continued.
@@ -118,6 +118,6 @@ def _ray(pixels: Pixels, at: "IntArray", step: int, own: bool) -> "tuple[BoolArr
 
 
 def _arrays(pixels: Pixels) -> tuple[int | float, ...]:
-    """What both kernels take of a picture."""
+    """Arguments of both kernels about a picture."""
     arrays = (address(pixels.inverse), address(pixels.label), address(pixels.surface))
     return (*arrays, pixels.width, PATCH, NARROW)

@@ -17,7 +17,7 @@ from topple.topology.geometry.thin import cell_keys
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.merging.ground import Ground, ground_of
 from topple.topology.merging.register import Registration, register
-from topple.topology.merging.segments import outliers, segmented
+from topple.topology.merging.segments import outliers, segment_cloud
 from topple.topology.merging.tolerances import TOLERANCES
 from topple.topology.scene.scene import Scene
 from topple.topology.views.image import DepthImage
@@ -144,7 +144,7 @@ def merge_views(
         objects, called = _owner(placed, cells, same_labels)
     else:
         objects = np.full(len(cells.points), -1)
-        objects[~stray] = segmented(cells.points[~stray], cells.eyes[~stray])
+        objects[~stray] = segment_cloud(cells.points[~stray], cells.eyes[~stray])
         called = {number: f"object_{number + 1}" for number in np.unique(objects[objects >= 0]).tolist()}
         objects = objects[cells.cell]
     objects[stray[cells.cell]] = -1

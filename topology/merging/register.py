@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput, NotInstalled
 from topple.topology.geometry.axes import perpendiculars
-from topple.topology.geometry.rigid import transformed, turned_to
+from topple.topology.geometry.rigid import move_points, turned_to
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.merging.ground import Ground
 from topple.topology.merging.tolerances import MISPLACED, TOLERANCES
@@ -44,7 +44,7 @@ class Registration:
     conflict: float
 
     def why_poor(self) -> str | None:
-        """What is wrong with it, in words; None where it can be trusted."""
+        """Say why it cannot be trusted; None where it can."""
         if self.common < TOLERANCES.fewest:
             return f"{self.common} points in common, at least {TOLERANCES.fewest} needed"
         if self.conflict > TOLERANCES.conflict:
@@ -73,10 +73,10 @@ class _View:
     standing: FloatArray
     ground: FloatArray
 
-    def moved(self, pose: FloatArray) -> "_View":
+    def move(self, pose: FloatArray) -> "_View":
         """The view at another place: (4, 4) from where it is believed to be."""
         image = replace(self.image, pose_camera_to_world=pose @ self.image.pose_camera_to_world)
-        return _View(image, transformed(self.standing, pose), transformed(self.ground, pose))
+        return _View(image, move_points(self.standing, pose), move_points(self.ground, pose))
 
     def few(self) -> FloatArray:
         """Some of its standing points, the same ones each time."""
@@ -116,7 +116,7 @@ def register(
                 f"{name} does not fit the views before it: {why}; give a pose_camera_to_world closer than "
                 f"{100 * TOLERANCES.reach:.0f} cm, or a view that shares more with the others"
             )
-        placed.append(view.moved(pose))
+        placed.append(view.move(pose))
         found.append(fit)
     return tuple(view.image for view in placed), tuple(found)
 
@@ -140,7 +140,7 @@ def _level_onto(ground: Ground, wanted: Ground, about: FloatArray, name: str) ->
         )
     pose = turned_to(_rotation(axis * (angle / max(float(np.linalg.norm(axis)), 1e-12))), about, about)
     foot = about - (float(about @ ground.up) + ground.plane[3]) * ground.up
-    height = float(transformed(foot[None], pose)[0] @ wanted.up) + wanted.plane[3]
+    height = float(move_points(foot[None], pose)[0] @ wanted.up) + wanted.plane[3]
     pose[:3, 3] -= height * wanted.up
     return pose
 
@@ -148,7 +148,7 @@ def _level_onto(ground: Ground, wanted: Ground, about: FloatArray, name: str) ->
 def _search_in_plane(placed: Sequence[_View], view: _View, level: FloatArray, up: FloatArray) -> FloatArray:
     """The best pose (4, 4) among those that move a levelled view in its ground's plane."""
     across = perpendiculars(up)
-    middle = transformed(view.standing.mean(axis=0), level)
+    middle = move_points(view.standing.mean(axis=0), level)
 
     def pose(place: tuple[float, ...]) -> FloatArray:
         moved = turned_to(_rotation(place[2] * up), middle, middle)
@@ -159,9 +159,9 @@ def _search_in_plane(placed: Sequence[_View], view: _View, level: FloatArray, up
 
     def agreement(place: tuple[float, ...], same: float, through: float) -> float:
         moved = pose(place)
-        past = [other.image.depth_past(transformed(probes, moved)) for other in placed]
+        past = [other.image.depth_past(move_points(probes, moved)) for other in placed]
         back = np.asarray(np.linalg.inv(moved), dtype=np.float64)
-        past += [view.image.depth_past(transformed(points, back)) for points in targets]
+        past += [view.image.depth_past(move_points(points, back)) for points in targets]
         each = np.concatenate(past)
         fits = np.maximum(1.0 - np.square(each[np.isfinite(each)] / same), 0.0).sum()
         return float(fits) - MISPLACED * int((each > through).sum())
@@ -180,7 +180,7 @@ def _search_in_plane(placed: Sequence[_View], view: _View, level: FloatArray, up
 def _refine(gicp: ModuleType, placed: Sequence[_View], view: _View, pose: FloatArray) -> FloatArray:
     """The pose (4, 4) after GICP in all six directions; as it was where that fits less well."""
     target = np.concatenate([part for other in placed for part in (other.standing, other.ground)])
-    source = transformed(np.concatenate([view.standing, view.ground]), pose)
+    source = move_points(np.concatenate([view.standing, view.ground]), pose)
     found = gicp.align(
         target,
         source,
@@ -198,7 +198,7 @@ def _refine(gicp: ModuleType, placed: Sequence[_View], view: _View, pose: FloatA
 
 def _fit(placed: Sequence[_View], view: _View, pose: FloatArray) -> Registration:
     """How well a view at a pose (4, 4) fits those that are placed."""
-    moved = view.moved(pose)
+    moved = view.move(pose)
     ways = [(other.image, moved.standing) for other in placed]
     ways += [(moved.image, other.standing) for other in placed]
     each = np.concatenate([image.depth_past(points) for image, points in ways])
@@ -208,7 +208,7 @@ def _fit(placed: Sequence[_View], view: _View, pose: FloatArray) -> Registration
     middle = view.standing.mean(axis=0)
     return Registration(
         pose_given_to_found=pose,
-        shift=float(np.linalg.norm(transformed(middle[None], pose)[0] - middle)),
+        shift=float(np.linalg.norm(move_points(middle[None], pose)[0] - middle)),
         turn=float(np.linalg.norm(Rotation.from_matrix(pose[:3, :3]).as_rotvec())),
         common=len(same),
         residual=float(np.sqrt(np.mean(np.square(same)))) if len(same) else float("inf"),

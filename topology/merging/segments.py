@@ -22,7 +22,7 @@ def outliers(points: FloatArray) -> BoolArray:
     return distance > distance.mean() + TOLERANCES.spread * distance.std()
 
 
-def segmented(points: FloatArray, eyes: FloatArray) -> IntArray:
+def segment_cloud(points: FloatArray, eyes: FloatArray) -> IntArray:
     """Cut a cloud into parts that bend outwards only, as most objects do and no two that touch at an angle.
 
     After Stein et al., "Object partitioning using local convexity" (CVPR 2014), on single points.

@@ -9,7 +9,7 @@ from topple.topology.kernels import cavity
 from topple.topology.relations.tolerances import AZIMUTHS
 
 
-def surrounded(places: FloatArray, wall: FloatArray, up: FloatArray, height: float) -> BoolArray:
+def is_surrounded(places: FloatArray, wall: FloatArray, up: FloatArray, height: float) -> BoolArray:
     """Whether a wall stands higher than a place in nearly every direction around it.
 
     Args:
@@ -23,10 +23,10 @@ def surrounded(places: FloatArray, wall: FloatArray, up: FloatArray, height: flo
     """
     axes = np.stack([*perpendiculars(up), up], axis=1)
     least = int(np.ceil(TOLERANCES.wall_azimuths * AZIMUTHS))
-    return cavity.walled(places @ axes, wall @ axes, height, TOLERANCES.wall_slope, AZIMUTHS, least)
+    return cavity.wall_around(places @ axes, wall @ axes, height, TOLERANCES.wall_slope, AZIMUTHS, least)
 
 
-def roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, aside: float) -> BoolArray:
+def is_roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, aside: float) -> BoolArray:
     """Whether there is wall straight above a place.
 
     Args:
@@ -45,4 +45,4 @@ def roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, 
     local, standing = places @ axes, wall @ axes
     lower, upper = bounds(local[:, :2])
     near = within_corners(standing[:, :2], lower - aside, upper + aside)
-    return cavity.roofed(local, standing[near], height, aside)
+    return cavity.wall_above(local, standing[near], height, aside)

@@ -70,4 +70,4 @@ def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, F
 def _seen_from_front(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: FreeSpace) -> BoolArray:
     """Which places of a hull have a surface near them that some camera sees from the side it faces."""
     covered = a.tree.query(places)[0] <= max(COVERED * a.spacing, DEPTH_NOISE)
-    return covered & sight.facing(places, towards - places)
+    return covered & sight.faces(places, towards - places)

@@ -107,7 +107,7 @@ def _meeting_between_points(scene: Scene, relations: AnyTable) -> AnyTable:
 def _uppermost(
     name: str, below: Sequence["Support"], scene: Scene, relations: RelationTable
 ) -> list["Support"]:
-    """What may carry an object, without what lies under another that reaches below its middle already.
+    """Drop supports that lie under another one which reaches below the object's middle already.
 
     Between the two lies the upper one, hidden as it may be: a bowl on two plates meets the upper plate.
     """

@@ -11,7 +11,7 @@ import numpy as np
 from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.notebook import in_cell
-from topple.topology.base.plugins import Table, expected
+from topple.topology.base.plugins import Table, check_kind
 from topple.topology.base.tolerances import TOLERANCES
 from topple.topology.base.workers import all_of
 from topple.topology.geometry.broadphase import near_pairs
@@ -66,7 +66,7 @@ class Relations(RelationTable):
         return told_in(document, relate(scene, deviation_of(document)))
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the relations in a notebook."""
         return in_cell(self)
 
 
@@ -109,7 +109,7 @@ def relate(
     name = rule or ("plain" if plain else "robust")
     if plain and name != "plain":
         raise InvalidInput(f"the rule is plain and {name!r}: expected one of the two")
-    with RULES.blamed(name):
+    with RULES.blame(name):
         chosen = RULES[name](scene, None if deviation is None else float(deviation))
         return chosen.conclude(scene, _relate_by(chosen, scene, NEAR_EACH * most))
 
@@ -177,7 +177,7 @@ class _LazyBasis:
 
     @property
     def scene(self) -> Scene:
-        """What was related."""
+        """The related scene."""
         return self._scene
 
     @property
@@ -222,5 +222,5 @@ def _relate_by(rule: Rule, scene: Scene, most_pairs: int) -> Relations:
     pairs = near_pairs(lower, upper, rule.reach)
     _check_count(len(pairs), "pairs of objects near each other", most_pairs)
     for i, j in pairs.tolist():
-        near[i, j] = expected(rule.relate(prepared[i], prepared[j]), PairRelation)
+        near[i, j] = check_kind(rule.relate(prepared[i], prepared[j]), PairRelation)
     return Relations(tuple(scene.clouds), LoadedBasis(scene, rule), near, prepared, prepared)

@@ -16,7 +16,7 @@ import numpy as np
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray, median_of, middle_of, within_corners
 from topple.topology.base.tolerances import TOLERANCES
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.relations.cavity import roofed, surrounded
+from topple.topology.relations.cavity import is_roofed, is_surrounded
 from topple.topology.relations.facing import facing_seen
 from topple.topology.relations.inferred import infer_contacts
 from topple.topology.relations.surface import Closest, Reaching, SurfaceCloud, closest, distances
@@ -116,7 +116,8 @@ class RobustRule:
             return self
         if self.sight is None or looked_again:
             return replace(self, sight=seen_in(scene))
-        return replace(self, sight=self.sight.replaced({name: seen_points(scene, name) for name in changed}))
+        clouds = {name: seen_points(scene, name) for name in changed}
+        return replace(self, sight=self.sight.with_clouds(clouds))
 
     def look_again(self, pair: PairRelation, a: SurfaceCloud, b: SurfaceCloud) -> PairRelation:
         """Whether a gap between two that stayed is still in sight."""
@@ -150,7 +151,7 @@ class RobustRule:
         wall = b.coarse[:: -(-len(b.coarse) // WALL)]
         held = np.zeros(len(chosen), dtype=np.bool_)
         for up in self._ups(b):
-            walled = surrounded(a.coarse[chosen], wall, up, self.deviation)
+            walled = is_surrounded(a.coarse[chosen], wall, up, self.deviation)
             walled[walled] = ~self._under(a.coarse[chosen[walled]], b, up)
             held |= walled
         if not held.any() or b.hull.dimension < 3:  # mostly the hull is not asked for
@@ -164,8 +165,8 @@ class RobustRule:
 
     def _under(self, places: FloatArray, b: SurfaceCloud, up: FloatArray) -> BoolArray:
         """Which places have B above them and none of it below: they are under it, not in it."""
-        under = roofed(places, b.coarse, up, self.deviation, b.spacing)
-        under[under] = ~roofed(places[under], b.coarse, -up, self.deviation, b.spacing)
+        under = is_roofed(places, b.coarse, up, self.deviation, b.spacing)
+        under[under] = ~is_roofed(places[under], b.coarse, -up, self.deviation, b.spacing)
         return under
 
     def _ups(self, b: SurfaceCloud) -> list[FloatArray]:
@@ -195,7 +196,7 @@ class RobustRule:
 
     @staticmethod
     def _relation(one: "_Counted", other: "_Counted", touching: bool) -> Relation:
-        """What Table 1 says of the counts that noise does not explain, and of the surfaces' distance."""
+        """Look up in Table 1 the counts that noise does not explain, and the surfaces' distance."""
         if one.held and other.held:
             return Relation.CROSS
         if one.held:

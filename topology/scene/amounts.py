@@ -6,7 +6,7 @@ from sys import float_info
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.base.arrays import FloatArray, bounds, frozen
+from topple.topology.base.arrays import FloatArray, bounds, freeze
 from topple.topology.base.checks import numeric
 from topple.topology.base.errors import InvalidInput, UnknownObject
 from topple.topology.base.tolerances import CENTRE_OUTSIDE, HEAVIEST
@@ -96,7 +96,7 @@ def as_centres(
                 f"reach from {lower.round(4).tolist()} to {upper.round(4).tolist()}: expected it in [m] in "
                 "the frame of the clouds, not in the object's own"
             )
-        checked[name] = frozen(centre)
+        checked[name] = freeze(centre)
     return FrozenDict(checked)
 
 

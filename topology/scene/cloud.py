@@ -69,7 +69,7 @@ def estimate_deviation(scene: Scene | Mapping[str, FloatArray]) -> float:
 
 
 def unit_of(scene: Scene | Mapping[str, FloatArray]) -> float:
-    """What a metre of a scene whose things are as large as hands take stands for in this one [m].
+    """Scale of a scene [m]: as long in it as a metre is among objects that hands take.
 
     Args:
         scene: A scene, or clouds (N, 3) [m] by name, those that can move.

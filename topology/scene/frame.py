@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.scene.cloud import clean
 from topple.topology.scene.mesh import Mesh
 from topple.topology.scene.scene import Scene
@@ -21,20 +21,20 @@ def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> S
         up: (3,) against gravity in that frame.
     """
     return Scene(
-        {name: clean(transformed(cloud, pose_scene_to_frame)) for name, cloud in scene.clouds.items()},
+        {name: clean(move_points(cloud, pose_scene_to_frame)) for name, cloud in scene.clouds.items()},
         sorted(scene.fixed),
         up,
-        transformed(scene.viewpoints, pose_scene_to_frame) if len(scene.viewpoints) else None,
+        move_points(scene.viewpoints, pose_scene_to_frame) if len(scene.viewpoints) else None,
         assumptions=scene.assumptions,
         masses=scene.masses,
         friction=scene.friction,
         models={name: fit.moved(pose_scene_to_frame) for name, fit in scene.models.items()},
-        matter=transformed(scene.matter, pose_scene_to_frame),
-        centres={n: transformed(each[None], pose_scene_to_frame)[0] for n, each in scene.centres.items()},
+        matter=move_points(scene.matter, pose_scene_to_frame),
+        centres={n: move_points(each[None], pose_scene_to_frame)[0] for n, each in scene.centres.items()},
     )
 
 
-def enlarged(scene: Scene, factor: float) -> Scene:
+def enlarge(scene: Scene, factor: float) -> Scene:
     """Give a scene in which everything is larger by a factor, masses by its cube.
 
     Args:
@@ -55,7 +55,7 @@ def enlarged(scene: Scene, factor: float) -> Scene:
     )
 
 
-def shifted(scene: Scene, shifts: Mapping[str, FloatArray]) -> Scene:
+def shift_objects(scene: Scene, shifts: Mapping[str, FloatArray]) -> Scene:
     """Give a scene of whole surfaces with some objects elsewhere, their meshes and centres with them.
 
     Args:

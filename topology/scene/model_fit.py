@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.values import ByValue
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 
 @checked_arguments
@@ -48,13 +48,13 @@ class ModelFit(ByValue):
 
     def __post_init__(self) -> None:
         """Make the arrays read-only."""
-        object.__setattr__(self, "pose_model_to_world", frozen(self.pose_model_to_world))
-        object.__setattr__(self, "seen", frozen(self.seen))
+        object.__setattr__(self, "pose_model_to_world", freeze(self.pose_model_to_world))
+        object.__setattr__(self, "seen", freeze(self.seen))
 
     def moved(self, pose: FloatArray) -> "ModelFit":
         """The fit in another frame, (4, 4) from the world into it."""
         there = pose @ self.pose_model_to_world
-        return replace(self, pose_model_to_world=there, seen=transformed(self.seen, pose))
+        return replace(self, pose_model_to_world=there, seen=move_points(self.seen, pose))
 
     def to_json(self) -> dict[str, Any]:
         """Its entry in a document."""

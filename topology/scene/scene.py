@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import FloatArray, frozen
+from topple.topology.base.arrays import FloatArray, freeze
 from topple.topology.base.checks import (
     Names,
     as_clouds,
@@ -148,7 +148,7 @@ class Scene(ByValue):
         put(self, "friction", as_friction(friction, checked))
         put(self, "models", FrozenDict(dict(models or {})))
         some = numeric([] if matter is None else matter, "matter")
-        put(self, "matter", as_points(some, "matter") if some.size else frozen(np.empty((0, 3))))
+        put(self, "matter", as_points(some, "matter") if some.size else freeze(np.empty((0, 3))))
         put(self, "wrong_masks", tuple(wrong_masks))
         put(self, "centres", as_centres(centres, checked))
 
@@ -160,7 +160,7 @@ class Scene(ByValue):
         return (Scene, (*parts, self.assumptions, *seen, dict(self.centres)))
 
     def _repr_html_(self) -> str | None:
-        """What a notebook shows."""
+        """Show the scene in a notebook."""
         return in_cell(self)
 
     def __repr__(self) -> str:
@@ -294,7 +294,7 @@ class Scene(ByValue):
         found, matter, notes = unnamed_among(seen, self.clouds, self._fixed_in_order(), self.up, things)
         clouds = {name: as_points(cloud, f"cloud {name!r}") for name, cloud in found.items()}
         joined, said = FrozenDict({**self.clouds, **clouds}), (*self.assumptions, *notes)
-        return self._copy_with(clouds=joined, matter=frozen(matter), assumptions=said)
+        return self._copy_with(clouds=joined, matter=freeze(matter), assumptions=said)
 
     def with_up(self, up: ArrayLike) -> "Scene":
         """Give the scene another upward direction.

@@ -7,7 +7,7 @@ from topple.topology.views.free_space import FreeSpace
 
 
 def seen_in(scene: Scene) -> FreeSpace | None:
-    """What the cameras of a scene saw to be empty, None where no camera is known."""
+    """Gather the space that cameras saw to be empty; None where no camera is known."""
     if not scene.images and len(scene.viewpoints) == 0:
         return None
     clouds = {name: seen_points(scene, name) for name in scene.names}

@@ -9,19 +9,19 @@ import networkx as nx
 import numpy as np
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import BoolArray, FloatArray, frozen
+from topple.topology.base.arrays import BoolArray, FloatArray, freeze
 from topple.topology.bodies.completed import completed_bodies, with_level_undersides
-from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
+from topple.topology.bodies.solids import Solids, move_parts, solids_of, up_of
 from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.rigid import transformed
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.rigid import move_points
+from topple.topology.geometry.samples import sample
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.relations.relate import Relations, relate
 from topple.topology.scene.cloud import unit_of
-from topple.topology.scene.frame import enlarged
+from topple.topology.scene.frame import enlarge
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.evidence import Evidence, Pixel
 from topple.topology.sixim.table import classify
@@ -118,7 +118,7 @@ class Situation:
         unit = unit_of(self.scene)
         if unit == 1.0:
             return self
-        return Situation(enlarged(self.scene, 1.0 / unit), self.relations, unit=unit)
+        return Situation(enlarge(self.scene, 1.0 / unit), self.relations, unit=unit)
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -161,11 +161,11 @@ class Situation:
 
     @cached_property
     def supports(self) -> tuple[Support, ...]:
-        """What carries what: see `topple.topology.statics.support.supports`."""
+        """Supports between objects: see `topple.topology.statics.support.supports`."""
         return supports(self.statics, self.relations)
 
     def without(self, *names: str) -> "Situation":
-        """What is left once objects are taken away; the bodies of the others stay as they are.
+        """Take objects away; the bodies of the others stay as they are.
 
         Args:
             names: The objects.
@@ -183,7 +183,7 @@ class Situation:
             name: The object.
         """
         body = self.completed[name]
-        cloud = np.vstack([self.scene.clouds[name], sampled(body, 2.0 * GRAIN)])
+        cloud = np.vstack([self.scene.clouds[name], sample(body, 2.0 * GRAIN)])
         bodies = {**self.solids, name: body}
         scene = self.scene.with_cloud(name, cloud).weighed(centres=self.scene.centres)
         return Situation(scene, known_solids=bodies, known_completed=self.completed)
@@ -202,9 +202,9 @@ class Situation:
             if more is not None:
                 cloud, more = np.vstack([cloud, more]), None
                 del whole[name]
-            scene = scene.with_cloud(name, moved((cloud,), pose)[0])
+            scene = scene.with_cloud(name, move_parts((cloud,), pose)[0])
             if name in self.scene.centres:
-                scene = scene.weighed(centres={name: transformed(self.scene.centres[name][None], pose)[0]})
+                scene = scene.weighed(centres={name: move_points(self.scene.centres[name][None], pose)[0]})
         carry_over(scene, self.scene, whole)
         return Situation(scene, origin=Change(self, frozenset(names), pose))
 
@@ -244,7 +244,7 @@ class Situation:
         bodies = surfaces_of(self.scene)
         if bodies.sight is None:
             return np.ones(len(places), dtype=np.bool_)
-        return bodies.sight.shown(places @ bodies.upright.rotation.T, slack)
+        return bodies.sight.shows(places @ bodies.upright.rotation.T, slack)
 
     def between(self, a: str, b: str) -> Evidence:
         """The relation of two objects as they lie, and where the pictures show it."""
@@ -317,7 +317,7 @@ class Situation:
             clouds += [
                 continued_boards(cloud, self.up, lambda p: sight.empty(p @ to_upright)) for cloud in clouds
             ]
-        return frozen(np.concatenate([np.empty((0, 3)), *clouds]))
+        return freeze(np.concatenate([np.empty((0, 3)), *clouds]))
 
     @cached_property
     def islands(self) -> Mapping[str, frozenset[str]]:
@@ -368,4 +368,4 @@ class Change:
         """Bodies from before as they are now."""
         if self.pose is None:
             return {name: parts for name, parts in bodies.items() if name not in self.names}
-        return {n: moved(parts, self.pose) if n in self.names else parts for n, parts in bodies.items()}
+        return {n: move_parts(parts, self.pose) if n in self.names else parts for n, parts in bodies.items()}

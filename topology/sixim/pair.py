@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from topple.topology.base.arrays import IntArray
-from topple.topology.base.values import ByValue, rounded
+from topple.topology.base.values import ByValue, decimal
 from topple.topology.sixim.table import Relation, converse_matrix
 
 
@@ -65,8 +65,8 @@ class PairRelation(ByValue):
         """Tell whether the gap is at most so wide [m], measuring it only where its bound does not tell."""
         return self.least_gap <= limit and self.gap <= limit
 
-    def _compared(self) -> list[Any]:
-        """What is counted and measured, not how that comes about."""
+    def _comparison(self) -> list[Any]:
+        """Counts and measures, not how they were found."""
         return [self.matrix, self.gap, *self.to_json().values()]
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -88,7 +88,7 @@ class PairRelation(ByValue):
 
     def cells(self) -> tuple[str, ...]:
         """The pair as a row: both names with the relation between, the gap in mm, and if no camera saw it."""
-        gap = f"{'' if self.gap_exact else '> '}{rounded(1000 * float(self.gap), 1)} mm"
+        gap = f"{'' if self.gap_exact else '> '}{decimal(1000 * float(self.gap), 1)} mm"
         return self.a, str(self.relation), self.b, gap, "inferred" if self.inferred else ""
 
     def __str__(self) -> str:

@@ -111,7 +111,7 @@ class Basis(Protocol):
 
     @property
     def scene(self) -> Scene:
-        """What was related."""
+        """The related scene."""
         ...
 
     @property
@@ -165,7 +165,7 @@ class RelationTable:
 
     @property
     def scene(self) -> Scene:
-        """What was related."""
+        """The related scene."""
         return self.basis.scene
 
     @property
@@ -175,7 +175,7 @@ class RelationTable:
 
     @cached_property
     def prepared(self) -> tuple[Prepared, ...]:
-        """What the rule derives from each cloud, in the order of `objects`."""
+        """Data that the rule derives from each cloud, in the order of `objects`."""
         if self.known_prepared is not None:
             return self.known_prepared
         return tuple(self.rule.prepare(name, cloud) for name, cloud in self.scene.clouds.items())

@@ -14,7 +14,7 @@ from topple.topology.base.arrays import (
     sum_of_rows,
     within_corners,
 )
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.bodies.upright import Upright
@@ -131,7 +131,7 @@ def find_contacts(
         if len(sides[ground]):
             touching.append(_contact(a, b, sides[a], sides[b], reach))
         found += _join_patches([contact for contact in touching if contact is not None])
-    return tuple(rubbing(contact, upright.friction) for contact in found)
+    return tuple(with_friction(contact, upright.friction) for contact in found)
 
 
 def _by_height(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str]:
@@ -139,7 +139,7 @@ def _by_height(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str
     return sorted(surfaces, key=lambda name: (name not in upright.fixed, float(surfaces[name][:, 2].mean())))
 
 
-def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str) -> tuple[Contact, ...]:
+def close_gap(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str) -> tuple[Contact, ...]:
     """The contact that two bodies would have if the gap between them were none: where they come nearest.
 
     Args:
@@ -163,7 +163,7 @@ def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str)
     )
 
 
-def rubbing(contact: Contact, friction: Mapping[str, float]) -> Contact:
+def with_friction(contact: Contact, friction: Mapping[str, float]) -> Contact:
     """The contact with the friction of its two surfaces, as far as that is known.
 
     Args:
@@ -204,7 +204,7 @@ def _near_pairs(
     return [(names[i], names[j]) for i, j in sorted(pairs)]
 
 
-@remembered(KEPT_PAIRS)
+@remember(KEPT_PAIRS)
 def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: float) -> Contact | None:
     """Contact of an object with a table top."""
     over, heights = plane.over(points), plane.heights(points)
@@ -249,10 +249,10 @@ def _contact(a: str, b: str, first: FloatArray, second: FloatArray, reach: float
     return _meeting_at(a, b, first, second, candidates, reach) if len(candidates) else None
 
 
-_tree_of = remembered(KEPT_BODIES)(PointTree)
+_tree_of = remember(KEPT_BODIES)(PointTree)
 
 
-@remembered(KEPT_PAIRS)
+@remember(KEPT_PAIRS)
 def _meeting_at(
     a: str, b: str, first: FloatArray, second: FloatArray, candidates: FloatArray, reach: float
 ) -> Contact | None:

@@ -67,7 +67,7 @@ def balance(
     priced = [np.zeros(len(contact.gaps)) for contact in contacts] if costs is None else list(costs)
     loads = [np.zeros(len(contact.gaps)) for contact in contacts]
     deficit: dict[str, float] = {}
-    weights = rising(weights)
+    weights = by_height(weights)
     for island in islands(weights, contacts):
         part = {name: weight for name, weight in weights.items() if name in island}
         concerned = [k for k, contact in enumerate(contacts) if contact.a in island or contact.b in island]
@@ -97,7 +97,7 @@ def _balance_island(
     return Balance({name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(loads))
 
 
-def rising(weights: Mapping[str, Weight]) -> Mapping[str, Weight]:
+def by_height(weights: Mapping[str, Weight]) -> Mapping[str, Weight]:
     """Some weights, the lowest centre of mass first.
 
     Where several answers are as good, which one a programme finds hangs on the order of its equations: it
@@ -164,11 +164,11 @@ def equations(
         ),
         shape=(height, count + 2 * height),
     ).tocsr()
-    return matrix, demanded(height), count
+    return matrix, demand_of(height), count
 
 
-def demanded(height: int) -> FloatArray:
-    """What the forces on each object have to give, its weight and no torque: (height,) six an object."""
+def demand_of(height: int) -> FloatArray:
+    """Forces and torques asked of contacts: each object's weight, no torque; (height,), six an object."""
     demand = np.zeros(height)
     demand[2::6] = 1.0
     return demand

@@ -18,7 +18,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.base.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import Weight, equations, islands, rising
+from topple.topology.statics.equilibrium import Weight, by_height, equations, islands
 from topple.topology.statics.holding import Pressing, Search, is_held
 from topple.topology.statics.tolerances import (
     CONE_EDGES,
@@ -49,7 +49,7 @@ class Fall:
         return max((self.distance - before.distance) / SUNK, (self.angle - before.angle) / TILTED)
 
 
-def catching(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+def catchers(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
     """The parts of contacts that can stop a body that sinks.
 
     Args:
@@ -96,7 +96,7 @@ def falls(
 
     Args:
         weights: The objects that can move.
-        contacts: Patches between them and with anything fixed, from `catching`.
+        contacts: Patches between them and with anything fixed, from `catchers`.
         beside: Only what hangs together with one of these is asked about; everything where not given.
         without: Names that are gone.
         search: As for `is_held`: what earlier questions about the same contacts left.
@@ -104,7 +104,7 @@ def falls(
     Returns:
         name -> fall, for all that are left and asked about.
     """
-    left = {name: weight for name, weight in rising(weights).items() if name not in without}
+    left = {name: weight for name, weight in by_height(weights).items() if name not in without}
     near = [c for c in contacts if c.a not in without and c.b not in without]
     found: dict[str, Fall] = {}
     for island in islands(left, near, beside):
@@ -136,7 +136,7 @@ def _falls_of_island(
     wide = False
     while kept is not None:
         # Within half of what is free every motion costs more than it gains.
-        more = kept.unheld(names - falling, {*without, *falling}, FREE / 2, alone[1], wide)
+        more = kept.find_unheld(names - falling, {*without, *falling}, FREE / 2, alone[1], wide)
         if 2 * len(falling | more) > len(names):
             break
         if not more:

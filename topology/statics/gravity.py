@@ -45,13 +45,13 @@ def check_up(scene: Scene, statics: Statics | None = None) -> None:
         return
     assert scene.up is not None  # statics needs it
     _check_distances(scene, statics)
-    if uncarried(statics) < HANGING:
+    if unborne_share(statics) < HANGING:
         return
-    hanging = uncarried(Statics.of(scene))  # by the clouds alone, as with the other directions
+    hanging = unborne_share(Statics.of(scene))  # by the clouds alone, as with the other directions
     if hanging < HANGING:
         return
     for other in _other_directions(scene, scene.up):
-        if uncarried(Statics.of(scene.with_up(other))) <= hanging - BETTER:
+        if unborne_share(Statics.of(scene.with_up(other))) <= hanging - BETTER:
             raise InvalidInput(_contradiction(scene, scene.up, other, hanging))
 
 
@@ -63,7 +63,8 @@ def _check_distances(scene: Scene, statics: Statics) -> None:
     moves = np.array([name not in scene.fixed for name in scene.clouds])
     nearest = float(apart.min(axis=1)[moves].min())
     bottoms = np.array([surface[:, 2].min() for surface in statics.surfaces.values()])
-    if nearest <= FAR_OFF or (np.ptp(bottoms) < FAR_OFF if not scene.fixed else uncarried(statics) < HANGING):
+    level = not scene.fixed and np.ptp(bottoms) < FAR_OFF
+    if nearest <= FAR_OFF or level or (scene.fixed and unborne_share(statics) < HANGING):
         return
     spread, width = np.ptp((low + high) / 2.0, axis=0).max(), np.median((high - low)[moves].max(axis=1))
     unit, factor = ("millimetres", 1000) if spread > 1000 * width / 2.0 else ("centimetres", 100)
@@ -74,7 +75,7 @@ def _check_distances(scene: Scene, statics: Statics) -> None:
     )
 
 
-def uncarried(statics: Statics) -> float:
+def unborne_share(statics: Statics) -> float:
     """How much of the weight of a scene nothing carries.
 
     A table carries what is above it and nothing below it; without a fixed object a floor is laid under the

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.topology.base.arrays import BoolArray, FloatArray, bounds, frozen, median_of, middle_of
-from topple.topology.base.remembered import remembered
+from topple.topology.base.arrays import BoolArray, FloatArray, bounds, freeze, median_of, middle_of
+from topple.topology.base.remembered import remember
 from topple.topology.bodies.tolerances import KEPT_FRAMES
 from topple.topology.bodies.upright import Upright
 from topple.topology.statics.tolerances import EDGE, FLAT, MARGIN
@@ -30,7 +30,7 @@ class Plane:
     ends: bool = False
 
     @staticmethod
-    @remembered(KEPT_FRAMES)
+    @remember(KEPT_FRAMES)
     def of(points: FloatArray) -> "Plane | None":
         """Fit a plane to a cloud, robustly.
 
@@ -49,7 +49,7 @@ class Plane:
         if spread > FLAT or abs(normal[2]) < 0.5:
             return None
         normal = normal if normal[2] > 0 else -normal
-        return Plane(frozen(normal), -float(normal @ centre), *bounds(points))
+        return Plane(freeze(normal), -float(normal @ centre), *bounds(points))
 
     def heights(self, points: FloatArray) -> FloatArray:
         """(N,) heights of (N, 3) points above the plane [m]."""

@@ -9,7 +9,7 @@ from topple.topology.base.arrays import FloatArray, bounds
 from topple.topology.bodies.upright import Upright
 from topple.topology.geometry.tolerances import BEFORE
 from topple.topology.kernels.heights import heights_over
-from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
+from topple.topology.statics.contact import TOLERANCES, Contact, with_friction
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.tolerances import CARRIED, DEEPEST, LEVEL, PLAN_CELL
@@ -49,7 +49,7 @@ def hidden_contacts(
     for name in wanting:
         below = _below(name, surfaces[name], _Tops.under(name, upright, surfaces), sight)
         candidates += [
-            rubbing(contact, upright.friction)
+            with_friction(contact, upright.friction)
             for contact in below
             if among is None or frozenset((contact.a, contact.b)) in among
         ]

@@ -16,7 +16,7 @@ from scipy.sparse import csc_array
 from topple.topology.base.arrays import FloatArray, IntArray
 from topple.topology.kernels.compiled import address, kernels
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import Weight, balance, demanded, force_columns, islands, rising
+from topple.topology.statics.equilibrium import Weight, balance, by_height, demand_of, force_columns, islands
 from topple.topology.statics.tolerances import CONE_EDGES, STEPS
 
 NOTHING = 1e-9
@@ -53,7 +53,7 @@ class Search:
 
 
 def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict[str, float]:
-    """What forces at the contacts leave unexplained of each weight: the deficits of `balance` alone.
+    """Measure the part of each weight that contact forces do not explain: the deficits of `balance`.
 
     Args:
         weights: The objects that can move.
@@ -63,7 +63,7 @@ def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict
         name -> missing force and torque as a fraction of the weight.
     """
     found: dict[str, float] = {}
-    rose = rising(weights)
+    rose = by_height(weights)
     for island in islands(rose, contacts):
         part = {name: weight for name, weight in rose.items() if name in island}
         near = [contact for contact in contacts if contact.a in island or contact.b in island]
@@ -105,7 +105,7 @@ def is_held(
     dense = np.zeros((height, count))
     dense[rows, columns] = values
     try:
-        return bool(nnls(dense, demanded(height))[1] < within)
+        return bool(nnls(dense, demand_of(height))[1] < within)
     except RuntimeError:  # it went round in circles
         return False
 
@@ -121,7 +121,7 @@ def _large_is_held(
     """Whether forces are found that hold a large island."""
     search = Search() if search is None else search
     duals = np.concatenate([search.duals.get(name, np.zeros(6)) for name in weights])
-    duals, forces, left = _least_forces(matrix, demanded(6 * len(weights)), duals, within)
+    duals, forces, left = _least_forces(matrix, demand_of(6 * len(weights)), duals, within)
     if np.abs(left).max() >= within:
         return False
     search.duals.update(zip(weights, duals.reshape(-1, 6), strict=True))
@@ -161,7 +161,7 @@ class _Held:
                     self._meeting[one].add(other)
                     self._pushing[one].append(number)
 
-    def unheld(
+    def find_unheld(
         self, left: frozenset[str], away: Collection[str], within: float, pressing: Pressing, wide: bool
     ) -> frozenset[str]:
         """Which of what is left the forces kept do not hold, of which some have to change.
@@ -178,7 +178,7 @@ class _Held:
         return frozenset(names[i] for i in np.flatnonzero(np.abs(over).max(axis=1) >= within))
 
     def _near(self, left: frozenset[str], away: Collection[str], pressing: Pressing) -> set[str]:
-        """What meets something that is gone or presses, what meets that, and all that is below it."""
+        """Objects that meet one that is gone or presses, those that meet these, and all below them."""
         near = {name for name in left if not self._meeting[name].isdisjoint(away)}
         near |= {name for contact, _ in pressing for name in (contact.a, contact.b) if name in left}
         near |= set[str]().union(*(self._meeting[name] for name in near)) & left
@@ -198,7 +198,7 @@ class _Held:
         within: float,
         pressing: Pressing,
     ) -> FloatArray:
-        """What forces leave over on some of what is left, while those on all the rest stay as they are."""
+        """Residual of forces on some of the objects left, while those on all the rest stay as they are."""
         inside, free = set(names), list[IntArray]()
         kept: list[IntArray] = []
         for number in sorted(set[int]().union(*(self._pushing[name] for name in names))):
@@ -208,7 +208,7 @@ class _Held:
                 (kept if outside else free).append(self._columns[number])
         places = np.array([self._place[name] for name in names])
         rows = (6 * places[:, None] + np.arange(6)).ravel()
-        demand = demanded(len(rows))
+        demand = demand_of(len(rows))
         if kept:
             columns = np.concatenate(kept)
             demand -= (self._matrix[:, columns] @ self._forces[columns])[rows]

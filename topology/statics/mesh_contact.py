@@ -79,7 +79,7 @@ class Polyhedron:
     @cached_property
     def volume_and_centre(self) -> tuple[float, FloatArray]:
         """Volume [m³] and (3,) centre of it [m]; those of its hull where the mesh is not closed."""
-        if not self._closed:
+        if not self._is_closed:
             return volume_and_centre(self.vertices, [self.vertices])
         middle = self.vertices.mean(axis=0)
         local = self.corners - middle
@@ -87,7 +87,7 @@ class Polyhedron:
         return float(pieces.sum()), middle + pieces @ local.sum(axis=1) / 4.0 / pieces.sum()
 
     @property
-    def _closed(self) -> bool:
+    def _is_closed(self) -> bool:
         return bool((self._sides[2] == 2).all()) and self.signed_volume > 0
 
     @cached_property

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from topple.topology.base.arrays import BoolArray, FloatArray, bounds, middle_of
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.base.values import FrozenDict
 from topple.topology.bodies.surfaces import surfaces_of
@@ -21,9 +21,9 @@ from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene.scene import Scene
 from topple.topology.sixim.relation_table import RelationTable
 from topple.topology.sixim.table import Relation
-from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
+from topple.topology.statics.contact import TOLERANCES, Contact, close_gap, find_contacts
 from topple.topology.statics.equilibrium import Weight, islands
-from topple.topology.statics.falling import Fall, catching, falls
+from topple.topology.statics.falling import Fall, catchers, falls
 from topple.topology.statics.hidden import hidden_contacts
 from topple.topology.statics.holding import Search, deficits
 from topple.topology.statics.tolerances import (
@@ -107,7 +107,7 @@ class Statics:
         )
 
     @cached_property
-    def touching(self) -> Mapping[tuple[str, str], float]:
+    def touch_normals(self) -> Mapping[tuple[str, str], float]:
         """(a, b) -> upward part of the mean contact normal from a into b, for pairs that touch."""
         normals: dict[tuple[str, str], float] = {}
         for contact in self.contacts:
@@ -118,13 +118,13 @@ class Statics:
         return normals
 
     @cached_property
-    def _catching(self) -> tuple[Contact, ...]:
+    def _catchers(self) -> tuple[Contact, ...]:
         """All contacts a falling body may meet."""
         near = [self._apart(c) for c in find_contacts(self.upright, self.surfaces, REACH)]
-        return catching((*(c for c in near if c is not None), *(c for c in self.contacts if c.inferred)))
+        return catchers((*(c for c in near if c is not None), *(c for c in self.contacts if c.inferred)))
 
     def _apart(self, contact: Contact) -> Contact | None:
-        """What of a patch may catch a body: of two that do not meet, only what it has to fall to."""
+        """Keep the points of a patch that may catch a body; of bodies apart, those across a gap."""
         if self.meeting is None or frozenset((contact.a, contact.b)) in self.meeting:
             return contact
         return contact.only(contact.gaps > TOLERANCES.catch)
@@ -132,20 +132,20 @@ class Statics:
     @cached_property
     def _islands_by_name(self) -> Mapping[str, frozenset[str]]:
         """Movable name -> all that hangs together with it: where it is taken nothing else has to be asked."""
-        return {name: island for island in islands(self.weights, self._catching) for name in island}
+        return {name: island for island in islands(self.weights, self._catchers) for name in island}
 
     @cached_property
-    def _settled(self) -> Mapping[str, Fall]:
+    def _falls_at_rest(self) -> Mapping[str, Fall]:
         """How far bodies seem to sink while everything is in place: what contacts leave open."""
-        return falls(self.weights, self._catching, search=self._search)
+        return falls(self.weights, self._catchers, search=self._search)
 
     @cached_property
     def _search(self) -> Search:
-        """What searches for forces left for the next ones."""
+        """Memory that one search for forces leaves to the next."""
         return Search()
 
     def fallen_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """What falls once some objects are gone, for clouds that show whole surfaces.
+        """Find the objects that fall once others are gone, for clouds that show whole surfaces.
 
         Args:
             away: Names taken out of the scene.
@@ -154,9 +154,9 @@ class Statics:
         Returns:
             name -> how far, 1 where it just counts as a move, for those that move.
         """
-        before = self._settled  # first, since the forces of what is in place shorten the search
+        before = self._falls_at_rest  # first, since the forces of what is in place shorten the search
         joined = set[str]().union(*(self._islands_by_name.get(name, self._islands_by_name) for name in away))
-        near = [c for c in self._catching if c.a in joined or c.b in joined]
+        near = [c for c in self._catchers if c.a in joined or c.b in joined]
         met = {name for c in near if c.a in away or c.b in away for name in (c.a, c.b)}
         free = {name: w for name, w in self.weights.items() if name in joined and name not in held}
         found = falls(free, near, beside=met, without=away, search=self._search)
@@ -164,7 +164,7 @@ class Statics:
         return {name: share for name, share in far.items() if share > 1.0}
 
     def unheld_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """What forces hold less once some objects are gone.
+        """Measure how much less forces hold each object once others are gone.
 
         Args:
             away: Names taken out of the scene.
@@ -184,7 +184,7 @@ class Statics:
         return {name: missing - self.unexplained.get(name, 0.0) for name, missing in found.items()}
 
     def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """What does not stay where it is once some objects are gone.
+        """Find the objects that do not stay where they are once others are gone.
 
         Args:
             away: Names taken out of the scene.
@@ -209,11 +209,11 @@ def _closed_gaps(
         contact
         for pair in touching
         if {pair.a, pair.b} <= surfaces.keys() and frozenset((pair.a, pair.b)) not in known
-        for contact in closed(upright, surfaces, pair.a, pair.b)
+        for contact in close_gap(upright, surfaces, pair.a, pair.b)
     ]
 
 
-@remembered(KEPT_BODIES)
+@remember(KEPT_BODIES)
 def weigh(points: FloatArray, mass: float | None = None, centre: FloatArray | None = None) -> Weight:
     """Guess weight and centre of mass of a body from its surface, as far as they are not known.
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from topple.topology.base.arrays import FloatArray, IntArray, bounds
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.geometry.axes import around
 from topple.topology.kernels.heights import heights_over
 from topple.topology.statics.tolerances import CLEAR, KEPT_PAIRS, LIFT, PLACES, SWEEP_CELL
@@ -33,7 +33,7 @@ class Overlap:
     places: FloatArray
 
 
-@remembered(KEPT_PAIRS)
+@remember(KEPT_PAIRS)
 def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     """How one object hangs over another.
 
@@ -71,7 +71,7 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     return Overlap(evasion, area=len(cells) * SWEEP_CELL**2, places=places)
 
 
-@remembered(KEPT_PAIRS)
+@remember(KEPT_PAIRS)
 def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
     """The 6-intersection matrix of a body with all that it passes on its way up, and another body.
 

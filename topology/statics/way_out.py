@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from topple.topology.base.arrays import BoolArray, FloatArray, bounds
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import least_rectangle
@@ -20,7 +20,7 @@ from topple.topology.statics.tolerances import (
 )
 
 
-@remembered(KEPT_PAIRS)
+@remember(KEPT_PAIRS)
 def way_out(own: FloatArray, fixed: FloatArray, up: FloatArray) -> FloatArray:
     """Find where an object goes when it is taken.
 

@@ -48,7 +48,7 @@ class _Fit:
     apart: bool
 
     def why_not(self) -> str | None:
-        """What is wrong with it; None where nothing is, or nothing can be told."""
+        """Say why two pictures do not agree; None where they do, or nothing can be told."""
         if self.common < FEWEST_COMMON:
             return f"what they share is more than {FAR_APART:g} m apart" if self.apart else None
         if self.conflict > MOST_CONFLICT:
@@ -83,7 +83,7 @@ def check_views(images: Sequence[DepthImage], fixed: Collection[str] = ()) -> No
 
 
 def _cures(one: DepthImage, other: DepthImage) -> Iterator[tuple[str, tuple[DepthImage, DepthImage]]]:
-    """What people mean when poses do not fit, and the two pictures so."""
+    """Try the usual mistakes in poses: for each, its cure in words and the two pictures with it."""
     a, b = one.pose_camera_to_world, other.pose_camera_to_world
     inverted = (np.asarray(np.linalg.inv(a), np.float64), np.asarray(np.linalg.inv(b), np.float64))
     for said, (c, d) in {

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from topple.topology.base.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.kernels.continued import Pixels, continued
+from topple.topology.kernels.continued import Pixels, continue_surfaces
 from topple.topology.kernels.tolerances import AROUND, BORDER, FAR, NEAREST, NO_SURFACE, NOBODY, OFF
 from topple.topology.views.tolerances import (
     CLEARLY,
@@ -82,21 +82,21 @@ def borders(depth: FloatArray, label: IntArray) -> Borders:
 def _owners(depth: FloatArray, label: IntArray) -> tuple[IntArray, float]:
     picture = Picture.of(depth, label)
     rim = np.flatnonzero((picture.inverse > 0) & (picture.surface == NO_SURFACE))
-    steps, owner, ahead = continued(picture, rim, own=True)
+    steps, owner, ahead = continue_surfaces(picture, rim, own=True)
     thin = np.flatnonzero(steps > FAR)
     middle = picture.is_middle(rim[thin])
     picture.continue_from(rim[thin[middle]])
     left = thin[~middle]
-    steps[left], owner[left], ahead[left] = continued(picture, rim[left], own=True)
+    steps[left], owner[left], ahead[left] = continue_surfaces(picture, rim[left], own=True)
     for _ in range(BORDER):  # what bends away is followed from pixel to pixel
         picture.continue_from(rim[owner != NOBODY])
         left = np.flatnonzero((steps <= FAR) & (owner == NOBODY))
-        _, owner[left], _ = continued(picture, rim[left], own=True)
+        _, owner[left], _ = continue_surfaces(picture, rim[left], own=True)
         if (owner[left] == NOBODY).all():
             break
     off = (steps <= FAR) & (owner == NOBODY)
     wrong = rim[off]
-    _, owner, before = continued(picture, wrong, own=False)
+    _, owner, before = continue_surfaces(picture, wrong, own=False)
     found = picture.label.copy()
     found[wrong] = owner
     flying = owner == NOBODY

@@ -72,7 +72,7 @@ class FreeSpace:
         """(k, 3) centres of all cameras [m]."""
         self._clouds = dict(clouds)
 
-    def replaced(self, clouds: Mapping[str, FloatArray]) -> "FreeSpace":
+    def with_clouds(self, clouds: Mapping[str, FloatArray]) -> "FreeSpace":
         """The free space once some objects have other clouds; images stay what they are.
 
         Args:
@@ -116,7 +116,7 @@ class FreeSpace:
                 found |= past > margin
         return found
 
-    def shown(self, places: FloatArray, slack: float) -> BoolArray:
+    def shows(self, places: FloatArray, slack: float) -> BoolArray:
         """Which places a camera saw, or a surface there: what is hidden by less than noise is not.
 
         Args:
@@ -136,7 +136,7 @@ class FreeSpace:
             )  # clouds say nothing where they have no points
         return found
 
-    def facing(self, places: FloatArray, outward: FloatArray) -> BoolArray:
+    def faces(self, places: FloatArray, outward: FloatArray) -> BoolArray:
         """Which places of a surface are on a side of it that a camera looks at.
 
         Args:
@@ -149,7 +149,7 @@ class FreeSpace:
         return (np.einsum("vpi,pi->vp", self.viewpoints[:, None] - places, outward) > 0.0).any(axis=0)
 
     def _news(self, cloud: FloatArray) -> tuple[FloatArray, ...]:
-        """What a cloud adds to what each camera is known to have seen: all of it, but for what it pictured.
+        """Points of a cloud that tell each camera more than its picture: all but those it pictured.
 
         Points in space that a picture shows empty have come there since: they end its lines of sight.
         """
@@ -160,7 +160,7 @@ class FreeSpace:
 
     @cached_property
     def _shown_by_cloud(self) -> dict[str, tuple[FloatArray, ...]]:
-        """What each cloud adds."""
+        """Points that each cloud adds, by camera."""
         return {name: self._news(cloud) for name, cloud in self._clouds.items()}
 
     @cached_property

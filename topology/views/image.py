@@ -15,9 +15,9 @@ from topple.topology.base.arrays import (
     BoolArray,
     FloatArray,
     IntArray,
-    frozen,
+    freeze,
     frozen_int,
-    rounded,
+    round_off,
     whole_numbers,
 )
 from topple.topology.base.checks import as_intrinsics, as_name, as_pose, numeric
@@ -109,14 +109,14 @@ class DepthImage(ByValue):
         pose = self.pose_camera_to_world.copy()
         pose[:3, 3] *= factor
         own = {each.name: getattr(self, each.name) for each in fields(self)}
-        changed = {"depth": frozen(self.depth * factor), "pose_camera_to_world": frozen(pose)}
+        changed = {"depth": freeze(self.depth * factor), "pose_camera_to_world": freeze(pose)}
         larger = object.__new__(DepthImage)
         vars(larger).update(own | changed | {"borders": self.borders})  # whose a pixel is hangs on no size
         return larger
 
     @cached_property
     def borders(self) -> Borders:
-        """What depth says of the masks: which pixel is by its depth of whose surface."""
+        """Borders of the masks judged by depth: whose surface each pixel is by its depth."""
         return borders(self.depth, self.label)
 
     def points(self) -> FloatArray:
@@ -242,7 +242,7 @@ class DepthImage(ByValue):
         y = (rows - self.K[1, 2]) * depth / self.K[1, 1]
         x = ((columns - self.K[0, 2]) * depth - self.K[0, 1] * y) / self.K[0, 0]
         in_camera = np.stack([x, y, depth], axis=1)
-        return rounded(in_camera @ self.pose_camera_to_world[:3, :3].T + self.viewpoint)
+        return round_off(in_camera @ self.pose_camera_to_world[:3, :3].T + self.viewpoint)
 
 
 def _as_depth(depth: FloatArray) -> FloatArray:
@@ -266,7 +266,7 @@ def _as_depth(depth: FloatArray) -> FloatArray:
             f"{' or '.join(likely.values())}; topple takes metres, so divide by "
             f"{' or '.join(map(str, likely))}"
         )
-    return frozen(array)
+    return freeze(array)
 
 
 def _as_label(label: IntArray) -> IntArray:

@@ -98,7 +98,7 @@ def wrong_masks(images: "Sequence[DepthImage]", fixed: Collection[str]) -> tuple
 
 
 def _in_image(image: "DepthImage", fixed: Collection[str]) -> Iterator[WrongMask]:
-    """What a single image shows, of a window around all that can move."""
+    """Find wrong masks in a single image, in a window around all that can move."""
     depth, owner, asked = _thin_picture(image, fixed)
     label = np.where(np.isin(owner, asked), owner, np.minimum(owner, 0))
     rows, columns = (np.flatnonzero((label > 0).any(axis=axis)) for axis in (1, 0))

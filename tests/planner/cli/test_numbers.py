@@ -4,13 +4,13 @@ from topple.planner.cli.tables import print_order, print_relations
 from topple.planner.decide.words import millimetres
 from topple.planner.motion.collision import Contact
 from topple.planner.motion.planner import _says
-from topple.topology.base.values import rounded
+from topple.topology.base.values import decimal
 
 
 @pytest.mark.parametrize(("value", "digits", "text"), [(-0.0, 0, "0"), (-0.4, 0, "0"), (-0.04, 1, "0.0"),
                                                        (-0.6, 0, "-1"), (12.34, 1, "12.3")])  # fmt: skip
 def test_what_rounds_to_nothing_has_no_sign(value, digits, text):
-    assert rounded(value, digits) == text
+    assert decimal(value, digits) == text
 
 
 @pytest.mark.parametrize("distance", [0.0, -0.0, 0.003, -1e-5])

@@ -9,7 +9,7 @@ from scipy.special import expit
 from topple.benchmarks.chances import LOOKS, fitted, given
 from topple.benchmarks.truth.cases import drawn, few, training
 from topple.planner.decide.chances import SIGNS, chances, seen_by, weights
-from topple.planner.decide.dependency import counting
+from topple.planner.decide.dependency import edges_of
 from topple.planner.decide.disturbance import Disturbance
 from topple.topology.statics.sweep import Overlap
 
@@ -38,9 +38,9 @@ def test_no_sign_of_a_disturbance_makes_it_less_likely(view):
 def test_that_it_is_higher_up_shows_no_dependency():
     beside = Disturbance(over=None, seen=None, unheld=0.0, up=None, depth=0.0)
     asked = {("a", "b"): beside, ("b", "a"): replace(beside, up=0.8), ("a", "c"): replace(beside, seen=HANGS)}
-    assert counting(asked, dict.fromkeys(asked, 0.9), 1) == [("b", "a"), ("a", "c")]
-    assert counting(asked, dict.fromkeys(asked, 0.2), 1) == []
-    assert counting({**asked, ("b", "c"): FOUND}, dict.fromkeys((*asked, ("b", "c")), 0.9), 0) == [("b", "c")]
+    assert edges_of(asked, dict.fromkeys(asked, 0.9), 1) == [("b", "a"), ("a", "c")]
+    assert edges_of(asked, dict.fromkeys(asked, 0.2), 1) == []
+    assert edges_of({**asked, ("b", "c"): FOUND}, dict.fromkeys((*asked, ("b", "c")), 0.9), 0) == [("b", "c")]
 
 
 def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so():
@@ -48,7 +48,7 @@ def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so():
     asked = {("a", "b"): leans, ("b", "a"): replace(leans, up=-0.1)}
 
     def counted(view: str, found: dict[tuple[str, str], Disturbance]) -> list[tuple[str, str]]:
-        return counting(found, chances(found, view), 3)
+        return edges_of(found, chances(found, view), 3)
 
     assert counted("several", asked) == counted("several, clouds", asked) == list(asked)
     assert counted("one", asked) == []  # one camera sees half of either

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, reasoned
+from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, reason_out
 from topple.robots import shapes
 from topple.topology import Scene, UnknownObject
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 from topple.topology.situation.situation import Situation
 from topple.topology.statics.sweep import overlap
 
@@ -56,7 +56,7 @@ def test_an_edge_is_believed_as_the_chance_of_its_pair():
     clouds = {"low": low.surface(2000, rng), "top": top.surface(2000, rng), "table": table}
     clouds["top"][:, 2] += 0.06
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    graph, chance = reasoned(Situation(scene))
+    graph, chance = reason_out(Situation(scene))
     (edge,) = graph.dependencies
     assert (edge.first, edge.then, edge.reason) == ("top", "low", "supported")
     assert edge.confidence == chance["top", "low"] > 0.95
@@ -77,8 +77,8 @@ def test_what_is_around_holds_what_stands_on_its_floor_alone(height, floor):
     under = [_block(0.14, 0.14, 0.005, (0.0, 0.0, 0.0))] * floor
     clouds = {
         "table": table.reshape(-1, 3),
-        "frame": sampled([*sides, *under], 0.003),
-        "can": sampled([_block(0.06, 0.06, 0.08, (0.0, 0.0, 0.0055 if floor else 0.0005))], 0.003),
+        "frame": sample([*sides, *under], 0.003),
+        "can": sample([_block(0.06, 0.06, 0.08, (0.0, 0.0, 0.0055 if floor else 0.0005))], 0.003),
     }
     found = dependencies(Scene(clouds, fixed=["table"], up=(0, 0, 1))).dependencies
     assert [(edge.first, edge.then) for edge in found] == [("can", "frame")] * floor
@@ -92,6 +92,6 @@ def test_what_a_counterweight_presses_on_through_a_plank_stays():
         "weight": _block(0.05, 0.05, 0.08, (-0.03, 0.0, 0.0715)),
     }
     mixed = np.random.default_rng(3).permutation  # such that the base's feet seem to tilt
-    clouds = {name: mixed(sampled([part], 0.001))[:2000] for name, part in parts.items()}
-    scene = Scene({**clouds, "table": sampled([parts["table"]], 0.012)}, ["table"], (0, 0, 1))
+    clouds = {name: mixed(sample([part], 0.001))[:2000] for name, part in parts.items()}
+    scene = Scene({**clouds, "table": sample([parts["table"]], 0.012)}, ["table"], (0, 0, 1))
     assert dependencies(scene).cycles() == (("plank", "weight"),)

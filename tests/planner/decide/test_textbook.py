@@ -12,7 +12,7 @@ from topple.benchmarks.truth.pool import PoolScene, pool
 from topple.benchmarks.truth.views import WIDE, seen
 from topple.topology import DepthImage, Scene
 from topple.topology.base.arrays import FloatArray
-from topple.topology.scene.frame import enlarged
+from topple.topology.scene.frame import enlarge
 from topple.topology.situation.situation import Situation
 
 Block = tuple[tuple[float, float, float], tuple[float, float, float], float]
@@ -76,7 +76,7 @@ def test_a_textbook_scene_is_told_as_it_is_drawn(name, size):
 
 def test_pictures_are_enlarged_with_what_they_show():
     scene = _pictured(next(scene for scene in pool() if scene.set == "settled"))
-    small = Situation(enlarged(scene, 0.1))
+    small = Situation(enlarge(scene, 0.1))
     assert small.sized.unit == pytest.approx(0.1, rel=0.6)
     assert Situation(scene).sized.unit == 1.0
     places = np.concatenate([scene.clouds[name] for name in scene.movable])

@@ -178,7 +178,7 @@ def test_a_goal_is_judged_by_poses_and_forces_and_not_by_relations(monkeypatch):
     slot = {name: np.int64(k) for k, name in enumerate(info["names"])}
     made.step(slot["green"])  # onto blue
     stage = made._stage
-    assert stage is not None and not made._reached(stage)  # red is not on it yet
+    assert stage is not None and not made._is_reached(stage)  # red is not on it yet
     world = stage.world
     for name, low in (("green", "blue"), ("red", "green")):
         pose = world.pose(low).copy()
@@ -186,5 +186,5 @@ def test_a_goal_is_judged_by_poses_and_forces_and_not_by_relations(monkeypatch):
         world.place(name, pose)
     world.settle(1.0)
     monkeypatch.setattr("topple.planner.decide.goal.Goal.unmet", lambda *_: ("whatever relations say",))
-    assert made._reached(stage)
+    assert made._is_reached(stage)
     made.close()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from topple.planner.execution.associate import associated, matched
+from topple.planner.execution.associate import associate_names, match_objects
 from topple.planner.execution.look import Observer
 from topple.robots import shapes
 from topple.robots.scenarios.scenario import pose_at
@@ -56,7 +56,7 @@ def test_two_alike_that_stayed_are_not_mixed_up_whatever_they_are_called(world):
     images = tuple(eye.look(world, rng) for eye in EYES)
     swapped = with_names(images, {"left": "right", "right": "left", "can": "left box"})
     for mixed in (images, swapped):
-        named = Scene.from_images(associated(mixed, remembered, rng), fixed=["table"], up=[0, 0, 1])
+        named = Scene.from_images(associate_names(mixed, remembered, rng), fixed=["table"], up=[0, 0, 1])
         assert set(named.movable) == {"left", "right", "can"}
         assert middles(named)["left"] == pytest.approx([0.0, 0.06], abs=0.01)
         assert middles(named)["right"] == pytest.approx([0.0, -0.06], abs=0.01)
@@ -90,8 +90,8 @@ def test_what_is_new_is_not_taken_for_what_may_be_hidden(world):
     eyes = observer(world)
     before = eyes.look().scene
     hidden = {"left": cloud(0.0, 0.06), "right": cloud(0.0, -0.06)}
-    assert matched({"a": cloud(0.0, 0.2)}, hidden, gone=()) == {}
-    assert matched({"a": cloud(0.0, 0.2)}, hidden, gone=("left",)) == {"a": "left"}
+    assert match_objects({"a": cloud(0.0, 0.2)}, hidden, gone=()) == {}
+    assert match_objects({"a": cloud(0.0, 0.2)}, hidden, gone=("left",)) == {"a": "left"}
     world.add(shapes.box("late", SIZE), pose_at(0.0, -0.2, 0.0))
     after = eyes.look(before)
     assert after.surprises == {"late": "late is seen for the first time"}
@@ -99,9 +99,9 @@ def test_what_is_new_is_not_taken_for_what_may_be_hidden(world):
 
 def test_what_fell_far_or_looks_unlike_is_new():
     lost = {"left": cloud(0.0, 0.0)}
-    assert matched({"a": cloud(0.5, 0.0)}, lost, gone=("left",)) == {}
-    assert matched({"a": cloud(0.1, 0.0, (0.3, 0.3, 0.02))}, lost, gone=("left",)) == {}
-    assert matched({}, lost, gone=("left",)) == {} == matched({"a": cloud(0.0, 0.0)}, {}, gone=())
+    assert match_objects({"a": cloud(0.5, 0.0)}, lost, gone=("left",)) == {}
+    assert match_objects({"a": cloud(0.1, 0.0, (0.3, 0.3, 0.02))}, lost, gone=("left",)) == {}
+    assert match_objects({}, lost, gone=("left",)) == {} == match_objects({"a": cloud(0.0, 0.0)}, {}, gone=())
 
 
 def test_a_new_object_does_not_take_the_name_of_one_that_is_remembered(world):
@@ -122,4 +122,4 @@ def test_clouds_are_matched_one_to_one_in_any_order(seed):
     order = list(nudged)
     rng.shuffle(order)
     seen = {f"segment {k}": nudged[name] for k, name in enumerate(order)}
-    assert matched(seen, remembered, gone=()) == {f"segment {k}": name for k, name in enumerate(order)}
+    assert match_objects(seen, remembered, gone=()) == {f"segment {k}": name for k, name in enumerate(order)}

@@ -39,7 +39,7 @@ def test_a_bin_that_is_not_there_is_told_by_where_things_truly_are():
     arm = robot("panda")
     with Rehearsal.of(SCENE, arm, BASE) as stage:
         base = inverse(stage.pose_scene_to_world) @ stage.pose_base_to_world
-        receiver = Destination.of("bin").at(Situation(SCENE), base).moved(stage.pose_scene_to_world)
+        receiver = Destination.of("bin").at(Situation(SCENE), base).move(stage.pose_scene_to_world)
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
             stage.world,
@@ -64,7 +64,7 @@ def test_what_is_lifted_is_left_to_a_skill_of_ones_own():
     arm, handed = robot("panda"), list[tuple[str, float]]()
     with Rehearsal.of(SCENE, arm, BASE) as stage:
         base = inverse(stage.pose_scene_to_world) @ stage.pose_base_to_world
-        receiver = Destination.of("lift").at(Situation(SCENE), base).moved(stage.pose_scene_to_world)
+        receiver = Destination.of("lift").at(Situation(SCENE), base).move(stage.pose_scene_to_world)
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         fixed = tuple(sorted(stage.world.fixed))
         loop = ClosedLoop.simulated(stage.world, acting, stage.cameras, ["upper"], fixed=fixed, away=receiver)

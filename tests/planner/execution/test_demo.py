@@ -7,7 +7,7 @@ import pytest
 from documents import contradictions
 
 from topple.planner.cli.main import main
-from topple.planner.execution.demo_seeds import counted, default_seed
+from topple.planner.execution.demo_seeds import default_seed, seed_count
 
 
 @pytest.fixture(scope="module")
@@ -26,4 +26,4 @@ def test_what_is_printed_is_the_order_that_the_first_action_is_of(folder, capfd)
     made = json.loads((folder / "plan.json").read_text())
     assert contradictions(made, [step["object"] for step in made["steps"]]) == []
     assert f"decided from the first look: {first['action']} {first['object']}" in printed
-    assert printed.startswith(f"lemon, seed {default_seed('lemon')}; {counted('lemon')}\n")
+    assert printed.startswith(f"lemon, seed {default_seed('lemon')}; {seed_count('lemon')}\n")

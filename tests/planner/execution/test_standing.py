@@ -7,7 +7,7 @@ import pytest
 
 from topple.benchmarks.faults.arms import Through
 from topple.planner.execution.look import Look, Observer
-from topple.planner.execution.standing import misplaced
+from topple.planner.execution.standing import misplacement
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import BASE, around, pose_at
@@ -44,15 +44,15 @@ def look(arm: SimulatedArm, *cameras: Camera) -> Look:
 def test_three_centimetres_aside_are_seen_and_none_are_not(arm):
     for cameras in (around((0.0, 0.0, 0.03)), around((0.0, 0.0, 0.03))[:1]):
         seen, aside = look(arm, *cameras), Aside(arm, np.random.default_rng(0))
-        assert misplaced(arm, seen.images, seen.scene) is None
+        assert misplacement(arm, seen.images, seen.scene) is None
         for way in ([0.03, 0.0, 0.0], [-0.02, 0.022, 0.0]):
             aside.way = np.array(way)
-            assert "from where it should be" in str(misplaced(aside, seen.images, seen.scene))
+            assert "from where it should be" in str(misplacement(aside, seen.images, seen.scene))
 
 
 def test_without_a_camera_that_shows_the_arm_nothing_is_said(arm):
     above = Camera.looking_at((0.15, 0.0, 0.3), (0.15, 0.0, 0.0), view=0.5)
     seen, aside = look(arm, above), Aside(arm, np.random.default_rng(0))
     aside.way = np.array([0.03, 0.0, 0.0])
-    assert misplaced(aside, seen.images, seen.scene) is None
-    assert misplaced(aside, (), seen.scene) is None
+    assert misplacement(aside, seen.images, seen.scene) is None
+    assert misplacement(aside, (), seen.scene) is None

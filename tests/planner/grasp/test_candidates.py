@@ -167,7 +167,7 @@ def test_a_pose_that_is_no_rotation_is_refused():
 
 def test_half_a_turn_twice_is_the_same_grasp():
     grasp = grasp_candidates("can", on_table(can=seen(can())), ARM)[0]
-    assert np.allclose(grasp.turned().turned().pose_tool_to_world, grasp.pose_tool_to_world)
+    assert np.allclose(grasp.turn().turn().pose_tool_to_world, grasp.pose_tool_to_world)
 
 
 @pytest.mark.slow

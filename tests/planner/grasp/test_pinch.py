@@ -5,7 +5,7 @@ from on_table import table
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.jaw import hand_shape
-from topple.planner.grasp.pads import extents, packed
+from topple.planner.grasp.pads import extents, pack
 from topple.planner.grasp.pinch import pinches
 from topple.planner.grasp.shape import Sought
 from topple.planner.grasp.surface import Surface
@@ -108,7 +108,7 @@ def test_the_extent_between_pads_ends_at_a_gap_a_finger_could_enter():
 
 
 def test_packed_rows_name_the_columns_that_are_set():
-    index, there = packed(np.array([[False, True, True], [False, False, False], [True, False, False]]))
+    index, there = pack(np.array([[False, True, True], [False, False, False], [True, False, False]]))
     assert [row[have].tolist() for row, have in zip(index, there, strict=True)] == [[1, 2], [], [0]]
 
 

@@ -32,7 +32,7 @@ def raised(height: float) -> Scene:
 
 def reached(arm: Arm, grasps: list[Grasp], back: FloatArray) -> tuple[Grasp, FloatArray]:
     """The first grasp, and joint values before it, from which the arm gets to it."""
-    for grasp in [way for one in grasps for way in (one, one.turned())]:
+    for grasp in [way for one in grasps for way in (one, one.turn())]:
         for q in arm.inverse(grasp.pose_tool_to_world @ back, "fingers")[0]:
             if len(arm.inverse(grasp.pose_tool_to_world, "fingers", near=q)[0]):
                 return grasp, q

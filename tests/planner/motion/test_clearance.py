@@ -107,9 +107,9 @@ def test_a_goal_nearer_than_the_clearance_is_reached_and_the_certificate_says_ho
 
 def test_only_the_part_that_the_start_is_near_to_is_approached():
     checker, start, goal = slit(0.002)
-    stricter = checker.keeping(CLEARANCE, np.stack([start, goal]))
+    stricter = checker.at_distance(CLEARANCE, np.stack([start, goal]))
     far = Checker(checker.arm, np.eye(4), {"post": [box((0.0, 0.6, 0.5), (0.1, 0.1, 1.0))]})
-    assert far.keeping(CLEARANCE, start[None]).model.margin.max() == CLEARANCE
+    assert far.at_distance(CLEARANCE, start[None]).model.margin.max() == CLEARANCE
     wanted = stricter.model.margin[stricter.model.obstacle]
     assert ((wanted > 0.001) & (wanted < CLEARANCE - 1e-3)).all()
     assert not stricter.model.margin[~stricter.model.obstacle].any()

@@ -3,7 +3,7 @@ import pytest
 from moving import at
 from scipy.spatial.transform import Rotation
 
-from topple.planner.placement.drops import standing, staying
+from topple.planner.placement.drops import pick_staying, try_standing
 from topple.planner.placement.placement import Placement
 from topple.planner.simulate import sandbox
 from topple.planner.simulate.sandbox import Sandbox
@@ -56,13 +56,13 @@ def test_what_is_let_go_over_a_rim_does_not_stay_and_in_the_middle_it_does():
     bodies = {"bowl": standing_parts(dish, 0.3), "lemon": standing_parts(fruit), "table": [slab]}
     rim = float(np.ptp(scene.clouds["bowl"][:, 0])) / 2.0
     middle, edge = Placement(shifted(0.3, 0.03), 1.0), Placement(shifted(0.3 + rim + 0.01, 0.06), 0.9)
-    assert staying([edge, middle], "lemon", "bowl", Situation(scene, known_solids=bodies)) == (
+    assert pick_staying([edge, middle], "lemon", "bowl", Situation(scene, known_solids=bodies)) == (
         [middle],
         [middle],
     )
 
     full = {**bodies, "berry": [part + np.array([0.3, 0.0, 0.02]) for part in standing_parts(strawberry())]}
-    assert staying([middle], "lemon", "bowl", Situation(scene, known_solids=full), ["berry"]) == (
+    assert pick_staying([middle], "lemon", "bowl", Situation(scene, known_solids=full), ["berry"]) == (
         [],
         [middle],
     )
@@ -75,7 +75,7 @@ def test_what_would_tip_over_is_put_down_as_it_comes_to_lie():
     tilted[:3, :3] = [[np.cos(0.3), 0.0, np.sin(0.3)], [0.0, 1.0, 0.0], [-np.sin(0.3), 0.0, np.cos(0.3)]]
     places = [Placement(upright, 1.0, drop=0.004), Placement(tilted, 0.9, drop=0.004)]
     bodies = {"stick": standing_parts(stick), "table": [SLAB]}
-    stays, lies = standing(places, "stick", Situation(scene, known_completed=bodies))
+    stays, lies = try_standing(places, "stick", Situation(scene, known_completed=bodies))
     assert stays is places[0]
     assert lies.rolls
     assert abs(float(lies.pose_before_to_after[:3, :3][2, 2])) < 0.1
@@ -87,7 +87,7 @@ def test_what_tips_from_how_it_is_now_may_be_let_go_so_where_no_hand_gets_down_w
     leaning = shifted(0.1, 0.005)
     leaning[:3, :3] = [[np.cos(0.1), 0.0, np.sin(0.1)], [0.0, 1.0, 0.0], [-np.sin(0.1), 0.0, np.cos(0.1)]]
     place = Placement(leaning, 0.9, drop=0.004)
-    lies, falls = standing(
+    lies, falls = try_standing(
         [place], "pole", Situation(scene, known_completed={"pole": standing_parts(pole), "table": [SLAB]})
     )
     assert lies.rolls and lies.tilt(UP) > 1.4

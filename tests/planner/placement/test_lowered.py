@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from on_table import on_table
 
-from topple.planner.placement.lowered import lowered
+from topple.planner.placement.lowered import lower
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import box
 from topple.topology import Scene
@@ -23,7 +23,7 @@ def seen_over_the_table(points: np.ndarray) -> Scene:
 
 
 def height_beside(points: np.ndarray) -> float:
-    place = lowered("box", Situation.of(seen_over_the_table(points)), pose_at(0.2, 0.0, 0.0))
+    place = lower("box", Situation.of(seen_over_the_table(points)), pose_at(0.2, 0.0, 0.0))
     assert place is not None
     return float(place.pose_at_rest(UP)[2, 3])
 

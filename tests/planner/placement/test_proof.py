@@ -77,7 +77,7 @@ def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not():
         proof = Proof(body.name, known(bodies))
         assert proof.holds(place) is stays
         assert not proof.holds(replace(place, falls=True))
-        assert (proof.settled(place).turn > 1.0) is not stays
+        assert (proof.settle(place).turn > 1.0) is not stays
 
 
 def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it():

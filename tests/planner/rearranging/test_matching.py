@@ -5,7 +5,7 @@ import pytest
 from on_table import on_table
 
 from topple.planner import rearrange
-from topple.planner.rearranging.matching import matched
+from topple.planner.rearranging.matching import match_objects
 from topple.robots.shapes import bowl, box, can, mug, spoon
 from topple.topology import InvalidInput
 
@@ -18,7 +18,7 @@ GOAL = on_table(
 
 
 def test_things_are_found_by_shape_whatever_they_are_called():
-    goal, matches = matched(START, GOAL, UP)
+    goal, matches = match_objects(START, GOAL, UP)
     assert {each.object: each.goal for each in matches} == {
         "spoon": "thing_0", "mug": "thing_1", "can": "thing_2", "bowl": "thing_3",
     }  # fmt: skip
@@ -41,14 +41,14 @@ def test_things_of_one_shape_go_the_shorter_way():
     a, b = (box(name, (0.05, 0.05, 0.05)) for name in "ab")
     start = on_table((a, (0.0, 0.0, 0.0)), (b, (0.2, 0.0, 0.0)))
     goal = on_table((a, (0.2, 0.1, 0.0)), (b, (0.0, 0.1, 0.0)), points=2500)
-    assert {each.object: each.goal for each in matched(start, goal, UP)[1]} == {"a": "b", "b": "a"}
+    assert {each.object: each.goal for each in match_objects(start, goal, UP)[1]} == {"a": "b", "b": "a"}
 
 
 def test_what_has_no_match_is_refused():
     one = on_table((bowl("bowl"), (0.0, 0.0, 0.0)))
     with pytest.raises(InvalidInput, match="shape of bowl"):
-        matched(one, on_table((spoon("spoon"), (0.0, 0.0, 0.0))), UP)
+        match_objects(one, on_table((spoon("spoon"), (0.0, 0.0, 0.0))), UP)
     with pytest.raises(InvalidInput, match="1 things move at the start and 4"):
-        matched(one, GOAL, UP)
+        match_objects(one, GOAL, UP)
     with pytest.raises(InvalidInput, match="match is 'colour'"):
         rearrange(START, GOAL, match="colour")

@@ -10,7 +10,7 @@ from topple.benchmarks.discs import Discs, check, rearrange_discs
 from topple.planner import NoSafePlan
 from topple.planner.rearranging.moves import fewest_moves
 from topple.planner.rearranging.problem import Act, Move, Problem, To
-from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.steady import brace
 from topple.topology import InvalidInput
 
 TAKE, PUT = Act.TAKE, Act.PUT
@@ -101,7 +101,7 @@ def test_no_sequence_is_shorter(seed):
 def test_two_things_that_change_places_take_one_buffer():
     problem = Problem(("a", "b"), (), frozenset({((TAKE, "a"), (PUT, "b")), ((TAKE, "b"), (PUT, "a"))}))
     found = fewest_moves(problem)
-    assert (len(found.moves), found.bound, len(found.buffered)) == (3, 3, 1)
+    assert (len(found.moves), found.bound, len(found.in_buffers)) == (3, 3, 1)
 
 
 def test_what_stays_is_moved_only_where_something_must_get_by():
@@ -126,7 +126,7 @@ def test_a_counterweight_comes_before_its_load_and_a_second_one_only_where_neede
         return frozenset({"beam"} if "load" in there and "weight" not in there else ())
 
     below = [("foot", "beam"), ("beam", "load"), ("beam", "weight"), ("beam", "more")]
-    graph = steadied(["foot", "beam", "load", "more", "weight"], below, falling)
+    graph = brace(["foot", "beam", "load", "more", "weight"], below, falling)
     assert set(graph.edges) - set(below) == {("weight", "load")}
 
 

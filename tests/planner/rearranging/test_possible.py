@@ -8,7 +8,7 @@ from topple.planner import rearrange
 from topple.planner.placement.resting import about
 from topple.robots.shapes import bowl, box, can, lemon
 from topple.topology import InvalidInput, Scene
-from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.samples import sample
 
 CUBE = (0.05, 0.05, 0.05)
 
@@ -41,7 +41,7 @@ def test_a_thing_of_the_same_name_and_another_shape_is_refused():
 
 def test_a_square_turned_by_an_eighth_keeps_its_shape() -> None:
     plate = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (0.0, 0.02)])
-    start = on_table((box("a", CUBE), (0.2, 0.0, 0.0))).with_cloud("b", sampled([plate], 0.004))
+    start = on_table((box("a", CUBE), (0.2, 0.0, 0.0))).with_cloud("b", sample([plate], 0.004))
     turned = start.with_cloud("b", start.clouds["b"] @ about(np.array([0, 0, 1]), np.pi / 4).T)
     assert {rearrange(start, turned, match=how).moves[0].object for how in ("name", "shape")} == {"b"}
 

@@ -6,14 +6,14 @@ from scipy.spatial.transform import Rotation
 
 from topple.planner.execution.look import Look, Observer
 from topple.planner.rearranging.arrangement import Arrangement
-from topple.planner.rearranging.registration import least, registered, remaining, turns
+from topple.planner.rearranging.registration import least, register, rest_of, turns
 from topple.robots import scenario
 from topple.robots.poses import angle_between, inverse
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, bowl, box, can, fork, mug, spoon
 from topple.robots.world.bodies import Body
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 
 UP = np.array([0.0, 0.0, 1.0])
 SHAPES = [bowl(), spoon(), fork(), mug(), box(), can()]
@@ -41,7 +41,7 @@ def moved(points: FloatArray, pose: FloatArray) -> FloatArray:
 @pytest.mark.parametrize("body", SHAPES, ids=[body.name for body in SHAPES])
 def test_a_thing_seen_from_two_sides_is_found_where_it_is(body):
     true = motion(2.3, 0.2, -0.1)
-    fit = registered(seen(body, 1, 1.0), moved(seen(body, 2, -1.0), true), UP)
+    fit = register(seen(body, 1, 1.0), moved(seen(body, 2, -1.0), true), UP)
     whole = body.surface(2000, np.random.default_rng(0))
     there = moved(whole, fit.pose)
     off = np.linalg.norm(there.mean(axis=0) - moved(whole, true).mean(axis=0))
@@ -82,10 +82,10 @@ def test_a_block_is_not_turned_upside_down_though_it_fits_better_by_noise():
 
 def test_the_same_points_are_matched_exactly():
     points, true = seen(mug(), 1, 1.0), motion(1.0, 0.3, 0.0)
-    fit = registered(points, moved(points, true), UP)
+    fit = register(points, moved(points, true), UP)
     assert fit.pose == pytest.approx(true, abs=1e-9)
     assert fit.residual < 1e-9 and not fit.stays
-    assert registered(points, points + 0.002, UP).stays
+    assert register(points, points + 0.002, UP).stays
 
 
 @pytest.mark.parametrize(("body", "count"), [(block(), 4), (box(), 2), (spoon(), 1), (mug(), 1)])
@@ -96,24 +96,24 @@ def test_a_thing_is_turned_onto_itself_as_its_shape_says(body, count):
 def test_a_round_thing_need_not_be_turned():
     whole = can().surface(6000, np.random.default_rng(0))
     turned = moved(whole, motion(2.0, 0.1, 0.0))
-    fit = least(registered(whole, turned, UP), whole, whole, UP)
+    fit = least(register(whole, turned, UP), whole, whole, UP)
     assert fit.turn < np.radians(5.0) and fit.way == pytest.approx(0.1, abs=0.002)
 
 
 def test_two_points_are_a_thing_too():
     ends = np.array([[0.25, 0.0, 0.0], [0.25, 0.0, 0.05]])
-    found = registered(ends, ends + np.array([0.1, 0.0, 0.0]), UP)
+    found = register(ends, ends + np.array([0.1, 0.0, 0.0]), UP)
     assert found.pose[:3, 3] == pytest.approx([0.1, 0.0, 0.0], abs=1e-3)
 
 
 def test_what_was_moved_meanwhile_comes_to_the_same_place_and_what_was_seen_anew_is_asked_again():
     rng = np.random.default_rng(5)
     before, goal = rng.uniform(-0.05, 0.05, (2, 400, 3))
-    known = registered(before, goal, UP)
+    known = register(before, goal, UP)
     meanwhile = pose_at(0.1, -0.2, 0.03, Rotation.from_euler("xyz", [0.2, -0.1, 1.0]))
-    now = transformed(before, meanwhile)
-    left = remaining(known, before, now)
+    now = move_points(before, meanwhile)
+    left = rest_of(known, before, now)
     assert left is not None
-    assert np.allclose(transformed(now, left.pose), transformed(before, known.pose), atol=1e-9)
-    assert remaining(known, before, now + rng.normal(0, 0.002, now.shape)) is None
-    assert remaining(known, before, now[:-1]) is None
+    assert np.allclose(move_points(now, left.pose), move_points(before, known.pose), atol=1e-9)
+    assert rest_of(known, before, now + rng.normal(0, 0.002, now.shape)) is None
+    assert rest_of(known, before, now[:-1]) is None

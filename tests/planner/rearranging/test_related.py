@@ -8,7 +8,7 @@ import pytest
 from on_table import on_table
 
 from topple.planner import NoSafePlan, rearrange
-from topple.planner.rearranging.related import related
+from topple.planner.rearranging.related import arrange_by_relations
 from topple.robots.shapes import bowl, box, lemon
 from topple.topology import InvalidInput, Scene, UnknownObject, relate
 from topple.topology.situation.situation import Situation
@@ -29,7 +29,8 @@ def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back():
     told, now = relate(STACKED).to_json(), Situation(APART)
     found = rearrange(APART, json.loads(json.dumps(told)))
     assert [move.object for move in found.moves] == ["b"]
-    heights = {name: cloud[:, 2].min() for name, cloud in related(told, now).situation.scene.clouds.items()}
+    clouds = arrange_by_relations(told, now).situation.scene.clouds
+    heights = {name: cloud[:, 2].min() for name, cloud in clouds.items()}
     assert heights["a"] == pytest.approx(0.0, abs=0.002) and heights["b"] == pytest.approx(0.05, abs=0.005)
     assert [move.object for move in rearrange(STACKED, relate(APART).to_json()).moves] == ["b"]
     assert rearrange(STACKED, told).moves == ()
@@ -40,7 +41,7 @@ def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair():
     scene = on_table((bowl("bowl"), (0.0, 0.0, 0.0)), (lemon("lemon"), (0.2, 0.1, 0.0)))
     for pair in (("lemon", "within", "bowl"), ("bowl", "contain", "lemon")):
         told = document(pair, ("bowl", "touch", "table"))
-        after = related(told, Situation(scene)).situation.scene
+        after = arrange_by_relations(told, Situation(scene)).situation.scene
         assert np.linalg.norm(after.clouds["lemon"].mean(axis=0)[:2]) < 0.06
         assert after.clouds["bowl"] is scene.clouds["bowl"]
 

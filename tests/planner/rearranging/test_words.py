@@ -7,13 +7,13 @@ from scipy.spatial.transform import Rotation
 
 from topple.planner import NoSafePlan, rearrange
 from topple.planner.budget import OutOfBudget
-from topple.planner.rearranging.words import described, is_words
+from topple.planner.rearranging.words import arrange_by_words, is_words
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import bowl, box, can, lemon, plate, spoon
 from topple.robots.world.world import World
 from topple.topology import InvalidInput, Scene, UnknownObject
 from topple.topology.base.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.situation.situation import Situation
 
 SCENE = on_table(
@@ -25,7 +25,7 @@ SCENE = on_table(
 
 
 def goal(words: str, scene: Scene = SCENE) -> Scene:
-    return described(words, Situation(scene)).situation.scene
+    return arrange_by_words(words, Situation(scene)).situation.scene
 
 
 def shift(name: str, after: Scene) -> FloatArray:
@@ -88,7 +88,7 @@ def test_words_that_describe_nothing_are_refused(words, error, told):
 
 
 def test_of_what_shall_be_within_it_counts_that_it_is_there():
-    arrangement = described("lemon within bowl, spoon left of bowl", Situation(SCENE))
+    arrangement = arrange_by_words("lemon within bowl, spoon left of bowl", Situation(SCENE))
     assert set(arrangement.pose_free) == {"lemon"}
     told = arrangement.goal(SCENE)
     assert "lemon" not in told.poses and "spoon" in told.poses
@@ -127,7 +127,7 @@ def test_what_leans_on_the_rim_of_a_plate_is_not_on_it():
         world.settle(3.0)
         poses = world.poses()
     rng, clouds = np.random.default_rng(0), {"table": table(0.4)}
-    clouds |= {body.name: transformed(body.surface(4000, rng), poses[body.name]) for body in (dish, tin)}
+    clouds |= {body.name: move_points(body.surface(4000, rng), poses[body.name]) for body in (dish, tin)}
     leaning = Scene(clouds, fixed=["table"], up=[0, 0, 1])
     carriers = {each.supporter for each in Situation(leaning).supports if each.supported == "can"}
     assert carriers == {"table", "plate"} and 0.2 < poses["can"][2, 2] < 0.8

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from topple.planner.execution.look import unexpected
+from topple.planner.execution.look import find_unexpected
 from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.limits import LIMITS
@@ -63,7 +63,7 @@ def test_the_page_and_the_loop_call_the_same_differences_contradictions(stack):
     observed = relate(moved).with_relation("crate", "tin", "partial within")
     changes = relation_changes(relations.to_json(), observed.to_json())
     counted = [change for change in changes if change.counts]
-    assert len(changes) > len(counted) == len(unexpected(relations, observed)) > 0
+    assert len(changes) > len(counted) == len(find_unexpected(relations, observed)) > 0
 
 
 def test_a_run_without_steps_pictures_or_scenes_has_a_page():

@@ -7,10 +7,10 @@ import pytest
 
 from topple.benchmarks.rates import counted, rates
 from topple.planner.budget import OutOfBudget
-from topple.planner.decide.dependency import Dependency, DependencyGraph, reasoned
-from topple.planner.decide.rates import likelihoods, posterior, standing
+from topple.planner.decide.dependency import Dependency, DependencyGraph, reason_out
+from topple.planner.decide.rates import likelihoods, posterior, stances
 from topple.planner.planning.order import order
-from topple.planner.simulate.votes import Votes, ask, chances, confirmed
+from topple.planner.simulate.votes import Votes, ask, chances, confirm
 from topple.robots import shapes
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
@@ -73,7 +73,7 @@ def test_a_budget_that_runs_out_is_a_failure_that_says_so_and_no_other_answer(sc
 def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(votes):
     wrong = DependencyGraph.of(NOTHING.names, [Dependency("beside", "plate", "blocking", confidence=0.6)])
     prior = dict.fromkeys(permutations(NOTHING.names, 2), 0.1) | {("beside", "plate"): 0.6}
-    checked = confirmed(wrong, chances(prior, votes, cameras=None), votes)
+    checked = confirm(wrong, chances(prior, votes, cameras=None), votes)
     assert {(edge.first, edge.then) for edge in checked.dependencies} == {("on", "plate")}
 
 
@@ -81,8 +81,8 @@ def test_bodies_that_sag_by_themselves_add_no_dependency():
     nothing, moved = DependencyGraph.of(("a", "b"), ()), {("a", "b"): (True, True, True)}
     chance = {("a", "b"): 0.9, ("b", "a"): 0.1}
     steady, sagging = (Votes(moved, {"a": sag, "b": 0.0}, 3) for sag in (0.1, 0.9))
-    assert len(confirmed(nothing, chance, steady).dependencies) == 1
-    assert not confirmed(nothing, chance, sagging).dependencies
+    assert len(confirm(nothing, chance, steady).dependencies) == 1
+    assert not confirm(nothing, chance, sagging).dependencies
 
 
 @pytest.mark.parametrize("cameras", [None, 3, 1])
@@ -98,7 +98,7 @@ def test_what_was_not_tried_stays_as_reasoned():
     nothing = Votes({}, {}, 0)
     prior = {("a", "b"): 0.45, ("b", "a"): 0.3}
     assert chances(prior, nothing, cameras=3) == prior
-    assert confirmed(graph, prior, nothing).dependencies == graph.dependencies
+    assert confirm(graph, prior, nothing).dependencies == graph.dependencies
 
 
 def test_that_bodies_with_guessed_sides_stand_refutes_nothing():
@@ -108,9 +108,9 @@ def test_that_bodies_with_guessed_sides_stand_refutes_nothing():
     moved = Votes({pair: (True,) * 3 for pair in prior}, {"a": 0.0, "b": 0.0}, 6)
     for cameras in (1, 3):
         assert chances(prior, stood, cameras) == prior
-        assert confirmed(graph, prior, stood).dependencies == graph.dependencies
-        assert len(confirmed(graph, chances(prior, moved, cameras), moved).dependencies) == 2
-    assert not confirmed(graph, chances(prior, stood, cameras=None), stood).dependencies
+        assert confirm(graph, prior, stood).dependencies == graph.dependencies
+        assert len(confirm(graph, chances(prior, moved, cameras), moved).dependencies) == 2
+    assert not confirm(graph, chances(prior, stood, cameras=None), stood).dependencies
 
 
 def test_counted_rates_tell_what_happened_with_a_dependency_and_without(statics, votes):
@@ -118,7 +118,7 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(statics,
         then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
         for then in NOTHING.names
     }
-    counts = trials, overlooked = counted(labels, votes, [("beside", "plate")], standing(statics))
+    counts = trials, overlooked = counted(labels, votes, [("beside", "plate")], stances(statics))
     assert trials[0, 3].tolist() == [1, 0] and trials[0, 0].tolist() == [0, 5]
     assert overlooked[0, 1].tolist() == [1, 0]
     found = rates([counts, counts])
@@ -128,7 +128,7 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(statics,
 
 
 def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(scene):
-    stand = standing(Statics.of(scene))
+    stand = stances(Statics.of(scene))
     assert (stand["on", "plate"], stand["plate", "on"], stand["beside", "plate"]) == ((0, 1), (0, 0), (2, 1))
-    _, chance = reasoned(Situation(scene))
+    _, chance = reason_out(Situation(scene))
     assert chance["on", "plate"] > chance["plate", "on"] > chance["beside", "plate"]

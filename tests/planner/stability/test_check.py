@@ -20,10 +20,10 @@ from topple.planner.simulate.play import play
 from topple.planner.stability.check import StabilityCheck, check
 from topple.robots.collision.convex import hull_of
 from topple.robots.engines import playing_on
-from topple.robots.world.bodies import joined
+from topple.robots.world.bodies import join_meshes
 from topple.testing import assert_stands
 from topple.topology import InvalidInput, Mesh, Scene
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.io.geometry import sampled_mesh
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -192,9 +192,9 @@ def test_pybullet_scenes_at_rest_stand():
     for seed in range(9000, 9006):
         _, resting = designed(seed)
         meshes = {
-            body.name: Mesh(transformed(whole.vertices, resting.poses[body.name]), whole.faces)
+            body.name: Mesh(move_points(whole.vertices, resting.poses[body.name]), whole.faces)
             for body in resting.bodies
-            if (whole := joined([hull_of(part) for part in body.parts]))
+            if (whole := join_meshes([hull_of(part) for part in body.parts]))
         }
         found = check(scene(meshes, ("table", *resting.fixed)), margins=False)
         assert found.stands, f"{seed}: {found.sentence()}"

@@ -14,10 +14,10 @@ from topple.robots.collision.fcl_bodies import apart
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.bodies import Body
 from topple.topology.base.arrays import FloatArray
-from topple.topology.bodies.solids import moved, solids_of
+from topple.topology.bodies.solids import move_parts, solids_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import move_points
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 
@@ -44,7 +44,7 @@ def scene_with(
         body, pose = true(part)
         area = 2.0 * sum(a * b for a, b in zip(PARTS[part][0], np.roll(PARTS[part][0], 1), strict=True))
         table = np.vstack(
-            [table, transformed(body.surface(round(area / (sparse or spacing) ** 2), rng), pose)]
+            [table, move_points(body.surface(round(area / (sparse or spacing) ** 2), rng), pose)]
         )
     table = table + rng.normal(0.0, noise, table.shape)
     return Scene({"table": table, "can": CAN.surface(2000, rng)}, fixed=["table"], up=UP)
@@ -59,13 +59,13 @@ def inside(found: Plan, part: str) -> int:
     """How many states of a plan have the arm or the can in a part as it truly is."""
     arm, count = robot(found.robot), 0
     body, pose = true(part)
-    solid, base = moved(body.parts, pose), np.array(found.pose_base_to_world)
+    solid, base = move_parts(body.parts, pose), np.array(found.pose_base_to_world)
     for piece in Replay(found, arm, 0.05).pieces:
         links = np.matmul(base, arm.forward(piece.states, piece.hand))
         tools = np.matmul(base, arm.tool_pose(piece.states, piece.segment.tool))
         for k in range(len(piece.states)):
-            bodies = [moved(link, links[k, i]) for i, link in enumerate(arm.parts) if link]
-            bodies += [moved(CAN.parts, tools[k] @ held) for held in piece.held.values()]
+            bodies = [move_parts(link, links[k, i]) for i, link in enumerate(arm.parts) if link]
+            bodies += [move_parts(CAN.parts, tools[k] @ held) for held in piece.held.values()]
             count += sum(not apart(some, solid, 0.0) for some in bodies)
     return count
 
@@ -90,11 +90,11 @@ def test_however_dense_a_fixed_cloud_is_nothing_of_it_is_left_out(part, spacing,
     scene = scene_with(part, spacing, noise, sparse)
     body, pose = true(part)
     hulls = [Hull.of(solid) for solid in solids_of(scene)["table"]]
-    corners = transformed(np.vstack(body.parts), pose)
+    corners = move_points(np.vstack(body.parts), pose)
     middle = corners.mean(axis=0)
     # points of the surface, an eighth of the way in, where plates are thin and spaced points end early
     at = corners + 0.125 * (middle - corners)
-    surface = transformed(body.surface(400, np.random.default_rng(1)), pose)
+    surface = move_points(body.surface(400, np.random.default_rng(1)), pose)
     surface = surface[(surface > at.min(axis=0)).any(axis=1) & (surface[:, 2] < at[:, 2].max())]
     assert len(surface) > 100
     out = np.min([hull.facet_distance(surface) for hull in hulls], axis=0)
@@ -117,7 +117,7 @@ def corner_bench(spacing: float = 0.01) -> Scene:
         [sheet((-0.45, 0.1), (0.45, 0.45), spacing, 0.2), sheet((-0.45, -0.45), (-0.1, 0.1), spacing, 0.2)]
     )
     floor = sheet((-0.09, -0.45), (0.45, 0.09), spacing)
-    can = transformed(CAN.surface(2000, np.random.default_rng(0)), pose_at(0.05, -0.06, 0.0))
+    can = move_points(CAN.surface(2000, np.random.default_rng(0)), pose_at(0.05, -0.06, 0.0))
     return Scene({"bench": bench, "floor": floor, "can": can}, fixed=["bench", "floor"], up=UP)
 
 

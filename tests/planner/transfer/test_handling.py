@@ -74,7 +74,7 @@ def tools(arm: Arm, path: FloatArray, tool: str = "fingers") -> FloatArray:
 
 def standing(made: Handling, log: FailureLog) -> Reached:
     """The cube's grasp as the arm makes it first."""
-    found = list(made.reached(made.hands([pinch()], np.array(PANDA.home), log), False, log))
+    found = list(made.reach(made.hands([pinch()], np.array(PANDA.home), log), False, log))
     assert found, log.reasons
     return found[0]
 
@@ -124,7 +124,7 @@ def test_a_grasp_out_of_reach_is_left_out_and_says_so():
 def test_of_each_hand_at_most_two_free_states_are_kept():
     made, log = handling()
     hands = list(made.hands([pinch()], np.array(PANDA.home), log))
-    found = list(made.reached(hands, False, log))
+    found = list(made.reach(hands, False, log))
     assert {id(state.grasp) for state in found} == {id(hand) for hand, _ in hands}
     assert len(hands) <= len(found) <= 2 * len(hands)
     for state in found:
@@ -160,7 +160,7 @@ def test_a_way_up_into_something_is_none_and_says_what_is_met():
     free, _ = handling()
     made, log = handling(bar=bar)
     hands = list(free.hands([pinch()], np.array(PANDA.home), FailureLog(frozenset())))
-    state = next(free.reached(hands, False, FailureLog(frozenset())))  # as if the bar were not there
+    state = next(free.reach(hands, False, FailureLog(frozenset())))  # as if the bar were not there
     assert made.lift(state, LENGTH, log).path is None
     assert log.barring["bar"] == 1
     assert log.furthest is not None and log.furthest.step == "lift"

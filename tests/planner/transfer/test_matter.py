@@ -18,7 +18,7 @@ from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.base.arrays import FloatArray
 from topple.topology.bodies.matter import MATTER
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import move_parts
 from topple.topology.scene.scene import Scene
 from topple.topology.situation.situation import Situation
 from topple.topology.views.image import DepthImage
@@ -50,16 +50,15 @@ def seen(screen: FloatArray, more: tuple[Body, ...] = (), unnamed: bool = True, 
 def deepest(found: Plan, screen: FloatArray, what: Body = SCREEN) -> int:
     """How many states of a plan have the arm or the box in the screen as it truly is."""
     arm = robot(found.robot)
-    true, count = moved(what.parts, screen), 0
+    true, count = move_parts(what.parts, screen), 0
     base = np.array(found.pose_base_to_world)
     for piece in Replay(found, arm, 0.02).pieces:
         links = np.matmul(base, arm.forward(piece.states, piece.hand))
         tools = np.matmul(base, arm.tool_pose(piece.states, piece.segment.tool))
         for k in range(len(piece.states)):
-            parts = [
-                moved(part, links[k, i]) for i, part in enumerate(arm.parts) if part and arm.frame_of_link[i]
-            ]
-            parts += [moved(BOX.parts, tools[k] @ pose) for pose in piece.held.values()]
+            shown = [(part, i) for i, part in enumerate(arm.parts) if part and arm.frame_of_link[i]]
+            parts = [move_parts(part, links[k, i]) for part, i in shown]
+            parts += [move_parts(BOX.parts, tools[k] @ pose) for pose in piece.held.values()]
             count += sum(not apart(some, true, 0.0) for some in parts)
     return count
 

@@ -2,7 +2,7 @@ import fcl
 import numpy as np
 import pytest
 
-from topple.robots.collision.convex import bounding_sphere, hull_of, reduced
+from topple.robots.collision.convex import bounding_sphere, hull_of, reduce_hull
 from topple.robots.collision.separation import Candidates, ConvexSets, Frames, gaps
 
 
@@ -44,7 +44,7 @@ def test_a_reduced_hull_stays_within_its_error(seed):
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(400, 3))
     whole = hull_of(points / np.linalg.norm(points, axis=1, keepdims=True) * 0.1)[0]
-    kept, error = reduced(whole, 0.004)
+    kept, error = reduce_hull(whole, 0.004)
     assert len(kept) < len(whole)
     assert 0 < error < 0.008
     for direction in rng.normal(size=(200, 3)):

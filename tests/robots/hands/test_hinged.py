@@ -78,9 +78,9 @@ def test_a_link_that_turns_beside_none_is_a_wrist(tmp_path):
 @pytest.mark.slow
 def test_an_arm_of_five_joints_with_a_hinged_jaw_takes_a_block():
     from topple.planner.execution.examine import examine
-    from topple.robots.catalog.described import described
+    from topple.robots.catalog.described import find_urdf
 
-    if described("so100") is None:
+    if find_urdf("so100") is None:
         pytest.skip("example-robot-data belongs to the arms extra")
     arm = robot("so100")
     assert len(arm.joints) == 5 and isinstance(arm.jaw, HingedJaw)

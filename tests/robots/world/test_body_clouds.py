@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from topple.robots import shapes
-from topple.robots.world.body_clouds import Piece, shell, smoothed, solid
+from topple.robots.world.body_clouds import Piece, shell, smooth, solid
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.tolerances import VOXEL
 from topple.topology.geometry.thin import voxel_means
@@ -76,7 +76,7 @@ def test_a_plate_seen_from_above_is_rebuilt_even_and_hollow_with_noise_and_flyin
 def test_smoothing_keeps_a_face_where_it_is():
     rng = np.random.default_rng(1)
     face = np.column_stack([rng.uniform(-0.05, 0.05, (2000, 2)), rng.normal(0.0, 0.001, 2000)])
-    after = smoothed(voxel_means(face, VOXEL))
+    after = smooth(voxel_means(face, VOXEL))
     assert after[:, 2].std() < 0.0007
     assert abs(after[:, 2].mean()) < 3e-4
 

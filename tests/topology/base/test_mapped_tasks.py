@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from topple.topology.base.errors import InvalidInput
-from topple.topology.base.workers import AHEAD, Lost, WorkerLost, WorkerPool, all_of, mapped
+from topple.topology.base.workers import AHEAD, Lost, WorkerLost, WorkerPool, all_of, map_tasks
 
 SQUARES = [number * number for number in range(8)]
 
@@ -54,7 +54,7 @@ def test_answers_come_in_order_and_tasks_are_asked_for_as_they_are_needed():
             yield number
 
     with ThreadPoolExecutor(2) as executor:
-        answers = mapped(squared, tasks(), executor)
+        answers = map_tasks(squared, tasks(), executor)
         assert next(answers) == 0
         assert len(asked) <= 2 * AHEAD
         assert list(answers) == [number * number for number in range(1, 100)]
@@ -62,14 +62,14 @@ def test_answers_come_in_order_and_tasks_are_asked_for_as_they_are_needed():
 
 def test_out_of_turn_what_is_found_comes_first_and_no_task_waits_for_a_worker():
     executor = Undone()
-    answers = mapped(squared, range(100), executor, in_turn=False)
+    answers = map_tasks(squared, range(100), executor, in_turn=False)
     assert next(answers) == 1
     assert executor.asked == 2
 
 
 def test_what_work_raises_comes_through():
     with pytest.raises(ZeroDivisionError), ThreadPoolExecutor(1) as executor:
-        list(mapped(lambda number: 1 // number, [1, 0], executor))
+        list(map_tasks(lambda number: 1 // number, [1, 0], executor))
 
 
 @pytest.mark.slow
@@ -78,7 +78,7 @@ def test_what_work_raises_comes_through():
 def test_a_killed_worker_costs_its_task_at_most(tmp_path, always, standard):
     work = partial(killed_at, tmp_path / "killed", always)
     with ProcessPoolExecutor(2, get_context("spawn")) if standard else WorkerPool(2) as executor:
-        found = list(mapped(work, range(8), executor))
+        found = list(map_tasks(work, range(8), executor))
     lost = [answer for answer in found if isinstance(answer, Lost)]
     assert [answer.task for answer in lost] == ([3] if always else [])
     kept = [answer for answer in found if not isinstance(answer, Lost)]
@@ -89,7 +89,7 @@ def test_a_killed_worker_costs_its_task_at_most(tmp_path, always, standard):
 def test_a_task_that_is_tried_once_is_lost_alone(tmp_path):
     work = partial(killed_at, tmp_path / "killed", False)
     with WorkerPool(2) as executor:
-        found = list(mapped(work, range(8), executor, in_turn=False, tries=1))
+        found = list(map_tasks(work, range(8), executor, in_turn=False, tries=1))
     assert [answer.task for answer in found if isinstance(answer, Lost)] == [3]
     assert len(found) == 8
 
@@ -114,5 +114,5 @@ def test_a_pool_that_is_left_by_an_exception_does_not_wait_for_its_tasks():
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
 def test_a_dask_cluster_answers_alike_though_a_worker_is_killed(cluster, tmp_path):
     work = partial(killed_at, tmp_path / "killed", False)
-    assert list(mapped(work, range(8), cluster)) == SQUARES
+    assert list(map_tasks(work, range(8), cluster)) == SQUARES
     assert (tmp_path / "killed").exists()

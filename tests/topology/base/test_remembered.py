@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from topple.topology.base.remembered import remembered
+from topple.topology.base.remembered import remember
 
 
 def test_arrays_count_by_their_numbers_and_the_longest_unused_answer_goes_first():
     asked: list[float] = []
 
-    @remembered(2)
+    @remember(2)
     def total(points: np.ndarray, more: str) -> float:
         asked.append(float(points.sum()))
         return asked[-1]
@@ -30,7 +30,7 @@ def test_arrays_count_by_their_numbers_and_the_longest_unused_answer_goes_first(
 
 
 def test_an_array_that_was_written_to_is_another_one():
-    double = remembered(4)(lambda points: 2 * points)
+    double = remember(4)(lambda points: 2 * points)
     points = np.ones(3)
     assert (double(points) == 2).all()
     points[:] = 3

@@ -3,7 +3,7 @@ import pytest
 
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.geometry.hull import Hull
-from topple.topology.relations.cavity import surrounded
+from topple.topology.relations.cavity import is_surrounded
 
 UP = np.array([0.0, 0, 1])
 LINE = np.linspace([0, 0, 0], [0.1, 0, 0], 30)
@@ -75,5 +75,5 @@ def test_a_wall_with_a_gap_of_a_quarter_still_surrounds_and_half_a_wall_does_not
     turn = np.linspace(0, 2 * np.pi, 200)
     wall = np.c_[0.1 * np.cos(turn), 0.1 * np.sin(turn), np.full(200, 0.05)]
     middle = np.zeros((1, 3))
-    assert surrounded(middle, wall[turn < 1.55 * np.pi], UP, 0.004).all()
-    assert not surrounded(middle, wall[turn < 1.1 * np.pi], UP, 0.004).any()
+    assert is_surrounded(middle, wall[turn < 1.55 * np.pi], UP, 0.004).all()
+    assert not is_surrounded(middle, wall[turn < 1.1 * np.pi], UP, 0.004).any()

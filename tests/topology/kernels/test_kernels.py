@@ -10,10 +10,10 @@ from topple.topology.base.arrays import bounds
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.geometry.hull import Hull
 from topple.topology.kernels import build, compiled
-from topple.topology.kernels.cavity import roofed, walled
+from topple.topology.kernels.cavity import wall_above, wall_around
 from topple.topology.kernels.cells import cells_of, turned_bounds, within_reach
 from topple.topology.kernels.closest import closest_places
-from topple.topology.kernels.continued import continued, planes_around
+from topple.topology.kernels.continued import continue_surfaces, planes_around
 from topple.topology.kernels.heights import heights_over
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.outline import outline_corners
@@ -237,10 +237,10 @@ def test_the_same_walls_stand_around_and_above(both, share):
     turn = RNG.random(2000) * share * 2 * np.pi
     rim = np.stack([np.cos(turn), np.sin(turn), RNG.random(2000)], axis=1)
     places = RNG.uniform(-1.2, 1.2, (300, 3))
-    around, expected = both(walled, places, rim, 0.1, 0.04, 24, 18)
-    above, over = both(roofed, places, rim, 0.1, 0.05)
-    assert not np.any(both(walled, places, rim[:0], 0.1, 0.04, 24, 18))
-    assert list(map(len, both(roofed, places[:0], rim, 0.1, 0.05))) == [0, 0]
+    around, expected = both(wall_around, places, rim, 0.1, 0.04, 24, 18)
+    above, over = both(wall_above, places, rim, 0.1, 0.05)
+    assert not np.any(both(wall_around, places, rim[:0], 0.1, 0.04, 24, 18))
+    assert list(map(len, both(wall_above, places[:0], rim, 0.1, 0.05))) == [0, 0]
     assert np.array_equal(around, expected) and np.array_equal(above, over)
     assert above.any() and not above.all() and around.any() == (share > 0.5)
 
@@ -268,7 +268,7 @@ def test_the_same_surfaces_are_continued_to_borders(both):
     planes, expected = both(planes_around, picture, inside)
     assert np.allclose(planes, expected, rtol=0, atol=1e-10)
     for owned, least in ((True, 0.1), (False, 0.0)):
-        ours, twin = both(continued, picture, rim, owned)
+        ours, twin = both(continue_surfaces, picture, rim, owned)
         assert all(np.array_equal(a, b) for a, b in zip(ours, twin, strict=True))
         assert least < np.mean(ours[1] > 0) and (not owned or np.mean(ours[1] > 0) < 1.0)
 

@@ -13,7 +13,7 @@ from topple.robots.shapes import box
 from topple.topology.base.errors import InvalidInput
 from topple.topology.merging.merge import merge_views
 from topple.topology.merging.register import register
-from topple.topology.merging.segments import outliers, segmented
+from topple.topology.merging.segments import outliers, segment_cloud
 from topple.topology.views.image import DepthImage
 
 pytest.importorskip("small_gicp", reason="small_gicp is not installed: pip install '.[views]'")
@@ -153,9 +153,9 @@ def test_a_cloud_is_cut_where_it_bends_inwards_and_nowhere_else():
     grid = np.stack(np.meshgrid(np.arange(0, 0.1, 0.005), np.arange(0, 0.1, 0.005)), axis=-1).reshape(-1, 2)
     roof = np.column_stack([grid, -np.abs(grid[:, 0] - 0.05)])  # seen from above, its ridge bends outwards
     eyes = np.tile([0.05, 0.05, 1.0], (len(grid), 1))
-    assert set(segmented(roof, eyes)) == {0}
+    assert set(segment_cloud(roof, eyes)) == {0}
     valley = roof * [1, 1, -1]
-    assert set(segmented(valley, eyes)) - {-1} == {0, 1}
+    assert set(segment_cloud(valley, eyes)) - {-1} == {0, 1}
 
 
 def test_single_returns_in_the_air_are_outliers_and_surfaces_are_not():

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.topology import InvalidInput, Scene, Situation, UnknownObject, load_scene
-from topple.topology.scene.frame import enlarged, in_frame
+from topple.topology.scene.frame import enlarge, in_frame
 from topple.topology.statics.rest import Statics
 
 AXIS = np.linspace(-0.5, 0.5, 60)
@@ -66,7 +66,7 @@ def test_a_scene_keeps_them_and_moves_them_along():
     assert np.allclose(situation.scene.centres["plank"], there)
     assert np.allclose(situation.scene.centres["block"], (0.0, 0.01, 0.06))
     assert np.allclose(in_frame(scene, pose, np.array([0, 0, 1.0])).centres["plank"], there)
-    assert np.allclose(enlarged(scene, 3.0).centres["plank"], 3.0 * np.array(HELD))
+    assert np.allclose(enlarge(scene, 3.0).centres["plank"], 3.0 * np.array(HELD))
     completed = Situation.of(scene).with_completed("plank")
     assert np.allclose(completed.scene.centres["plank"], HELD)
     with pytest.raises(ValueError, match="read-only"):

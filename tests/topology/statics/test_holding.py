@@ -30,13 +30,13 @@ def test_deficits_are_those_of_the_programme_whoever_is_gone(seed):
 def test_falls_of_a_large_island_are_those_of_the_programme_whoever_is_gone(bricks):
     clouds = pytest.importorskip("topple.benchmarks.clouds", reason="the benches come with a checkout")
     statics = Statics.of(clouds.brick_wall(bricks, 0))
-    points = sum(len(contact.gaps) for contact in statics._catching)
+    points = sum(len(contact.gaps) for contact in statics._catchers)
     assert 6 * len(statics.weights) * 6 * points > SMALL  # none of it is solved one force at a time
     moving = 0
     for gone in statics.weights:
-        near = [c for c in statics._catching if gone not in (c.a, c.b)]
+        near = [c for c in statics._catchers if gone not in (c.a, c.b)]
         programme, _ = _sunk({n: w for n, w in statics.weights.items() if n != gone}, near)
-        far = {name: fall.beyond(statics._settled[name]) for name, fall in programme.items()}
+        far = {name: fall.beyond(statics._falls_at_rest[name]) for name, fall in programme.items()}
         asked = statics.fallen_without([gone])
         assert asked == pytest.approx({name: share for name, share in far.items() if share > 1.0})
         moving += len(asked)

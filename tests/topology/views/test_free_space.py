@@ -64,7 +64,7 @@ def test_what_came_since_the_picture_was_taken_ends_its_lines_of_sight():
     space = FreeSpace({"wall": WALL}, EYE, [picture(np.ones((100, 100)))])
     assert space.empty(places).tolist() == [True, True, True]
     lid = WALL / 10 + [0.0, 0.0, 0.5]
-    assert space.replaced({"lid": lid}).empty(places).tolist() == [False, True, True]
+    assert space.with_clouds({"lid": lid}).empty(places).tolist() == [False, True, True]
     assert FreeSpace({"wall": WALL, "lid": lid}, EYE, [picture(np.ones((100, 100)))]).empty(
         places
     ).tolist() == [False, True, True]
@@ -83,5 +83,5 @@ def test_a_frame_of_its_own_sees_the_same():
     assert 0.1 < straight.empty(places).mean() < 0.9
     outward = rng.normal(size=(500, 3))
     assert (
-        turned.facing(places @ turn.T, outward @ turn.T).tolist() == straight.facing(places, outward).tolist()
+        turned.faces(places @ turn.T, outward @ turn.T).tolist() == straight.faces(places, outward).tolist()
     )
