@@ -7,6 +7,7 @@ SRDF names; where neither does, the one long chain of joints, if there is one.
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -116,8 +117,7 @@ def _joints_of(tree: Tree, semantics: Semantics, group: Group) -> list[Edge]:
         found += path[starts[0] :] if starts else []
     for name in group.groups:
         found += _joints_of(tree, semantics, semantics.groups[name])
-    distinct = {edge.joint: edge for edge in found if edge.kind in DRIVABLE and edge.follows is None}
-    return list(distinct.values())
+    return list({e.joint: e for e in found if e.kind in DRIVABLE and e.follows is None}.values())
 
 
 def _arm_groups(tree: Tree, semantics: Semantics) -> list[str]:
@@ -197,8 +197,11 @@ def _longest(tree: Tree, semantics: Semantics | None) -> tuple[str, ...] | None:
             break
         path += branches
         link = branches[0].child
-    moving = tuple(edge.joint for edge in path if edge.moves)
-    return None if alone or not moving else moving
+    moving = [edge for edge in path if edge.moves]
+    # two joints or more beneath all that has a shape are no arm's: they stand for wheels on a floor
+    if len(wheels := list(takewhile(lambda edge: edge.parent in tree.bare, moving))) > 1:
+        moving, alone = moving[len(wheels) :], False
+    return None if alone or not moving else tuple(edge.joint for edge in moving)
 
 
 def _tips(tree: Tree, arms: Sequence[Edge]) -> list[str]:

@@ -52,6 +52,7 @@ class Tree:
             )  # fmt: skip
             self.edges[edge.child] = edge
         self.links = [str(element.get("name")) for element in robot.findall("link")]
+        self.bare = {str(e.get("name")) for e in robot.findall("link") if e.find("*/geometry") is None}
         self._children: dict[str, list[Edge]] = {}
         for edge in self.edges.values():
             self._children.setdefault(edge.parent, []).append(edge)
@@ -87,9 +88,7 @@ class Tree:
 
     def branches(self, link: str) -> list[Edge]:
         """The joints of a link at or beyond which something moves."""
-        return [
-            e for e in self._children.get(link, []) if e.moves or any(b.moves for b in self.below(e.child))
-        ]
+        return [e for e in self._children.get(link, []) if any(b.moves for b in (e, *self.below(e.child)))]
 
     def series(self, edge: Edge) -> int:
         """How many joints move of their own, one after the other, in the longest branch from a joint on."""

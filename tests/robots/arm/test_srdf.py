@@ -116,6 +116,18 @@ def test_of_a_torso_its_arms_are_named(tmp_path):
         arm_chain(tree, None, None, None)
 
 
+def test_joints_beneath_all_that_has_a_shape_are_wheels_and_hold_still():
+    text = ""
+    for k, kind in enumerate(["prismatic", "prismatic", "continuous", *["revolute"] * 5]):
+        shape = "<collision><geometry><box size='1 1 1'/></geometry></collision>" * (k > 2)
+        text += f"<link name='l{k}'>{shape}</link><joint name='j{k}' type='{kind}'><parent link='l{k}'/>"
+        text += f"<child link='l{k + 1}'/></joint>"
+    tree = Tree(ElementTree.fromstring(f"<robot>{text}<link name='l8'/></robot>"), "rover")
+    chain = arm_chain(tree, None, None, None)
+    assert chain is not None
+    assert (chain.joints, chain.still) == (("j3", "j4", "j5", "j6", "j7"), ("j0", "j1", "j2"))
+
+
 def test_a_gripper_file_names_the_arm_and_where_the_rest_stands(tmp_path):
     path, place = two_armed(tmp_path), tmp_path / "arm.toml"
     place.write_text(
