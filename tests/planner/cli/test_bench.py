@@ -260,7 +260,7 @@ def test_tables_in_the_pages_are_of_benches_and_have_rows():
     pages += "".join(
         (Path(__file__).parents[3] / f"docs/{name}.md").read_text() for name in ("results", "scenes")
     )
-    marks = r"<!-- table of topple bench (\w+)(?: --part \w+)? -->\n(.*?)\n<!-- end of table -->"
+    marks = r"<!-- table of topple bench (\w+)(?: --\w+ \w+)? -->\n(.*?)\n<!-- end of table -->"
     marked = re.findall(marks, pages, re.DOTALL)
     assert len(marked) == pages.count("<!-- table of") == pages.count("<!-- end of table -->")
     assert {name for name, _ in marked} == {*BENCHES, *CHECKS}
