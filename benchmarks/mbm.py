@@ -111,7 +111,7 @@ def _rows_of(name: str, every: int, seed: int, progress: Progress, data: Path | 
             "problems solved and certified", tried - len(wrong), tried, ">= 99.5", counted=True,
             wrong=wrong[:12], column=name,
         ),
-        Row("left out, as start or goal touches something by the exact meshes", touching, "", column=name),
+        Row("left out: start or goal touches", touching, "", column=name),
         *_times(name, seconds),
     ]  # fmt: skip
     for peer in PEERS:
