@@ -16,8 +16,8 @@ BENCHES = ("relate", "order", "build", "rearrange", "motion", "paper", "run", "d
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
 CHECKS = (
-    "check", "towers", "libero", "assemblies", "textbook", "cans", "clutternav", "demonstrated", "kinder",
-    "mbm", "engines", "reliability", "speed", "truth",
+    "check", "towers", "libero", "assemblies", "textbook", "cans", "clutternav", "kinder", "mbm", "tamp",
+    "engines", "reliability", "speed", "truth",
 )  # fmt: skip
 """Benches that compare topple with itself, not with others: run where they are named."""
 

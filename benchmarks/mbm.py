@@ -44,7 +44,7 @@ PEERS = ("roboplan", "vamp")
 """Run beside, where they are installed: see `topple.benchmarks.peers`."""
 
 BUDGET = 5.0
-"""[s] of a peer for one problem: about what topple's slowest take."""
+"""[s] of a peer for one problem: 700 of Fetch take an hour at most."""
 
 LOOKED_AT = 0.01
 """[rad] between the states of a peer's path that are looked at."""

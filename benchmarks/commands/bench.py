@@ -25,8 +25,7 @@ _WITH_VALUES = (
     (
         "--data",
         "DIR",
-        "relate, order, run, rearrange, towers, libero, assemblies, cans, demonstrated, mbm, speed, truth: a "
-        "folder's data",
+        "relate, order, run, rearrange, towers, libero, assemblies, cans, mbm, speed, tamp, truth: a folder",
     ),
     ("--piles", "DIR", "order: score recorded piles of a folder; truth: those too, beside --data"),
     (

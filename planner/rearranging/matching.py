@@ -59,7 +59,7 @@ def match_objects(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tup
     residuals = costs.copy()
     for i, name in enumerate(here):
         for j, other in enumerate(there):
-            if np.abs(_edges(start.clouds[name]) - _edges(goal.clouds[other])).max() < SIZES:
+            if np.abs(_block_size(start.clouds[name]) - _block_size(goal.clouds[other])).max() < SIZES:
                 fit = register(start.clouds[name], goal.clouds[other], up)
                 residuals[i, j], costs[i, j] = fit.residual, fit.residual + NEARER * fit.way
     rows, columns = linear_sum_assignment(np.minimum(costs, 1.0))
@@ -72,7 +72,7 @@ def match_objects(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tup
     return _rename(goal, {match.goal: match.object for match in found}), tuple(found)
 
 
-def _edges(cloud: FloatArray) -> FloatArray:
+def _block_size(cloud: FloatArray) -> FloatArray:
     """(3,) edges of a solid block that spreads as a cloud does, shortest first [m], however turned."""
     return np.sqrt(12 * np.linalg.eigvalsh(np.cov(cloud.T)).clip(0))
 

@@ -53,7 +53,7 @@ def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -
     """
     tasks = sorted(data.glob("**/tasks/data/shelf_?.pkl")) if data is not None else []
     if not tasks:
-        raise InvalidInput("demonstrated needs --data DIR: the unpacked wheel of guided-tamp-benchmark")
+        raise InvalidInput("tamp needs --data DIR: the unpacked wheel of guided-tamp-benchmark")
     seconds, wrong, near = list[float](), list[str](), 0
     for task in tasks:
         with task.open("rb") as file, task.with_name(f"{task.stem}_panda_poses.pkl").open("rb") as places:

@@ -5,7 +5,7 @@ import pickle
 import pytest
 import trimesh
 
-from topple.benchmarks.demonstrated import rows
+from topple.benchmarks.tamp import rows
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology.base.errors import InvalidInput
 
