@@ -72,7 +72,7 @@ def test_the_table_says_it_of_each_grasp(scene, grasps, typed):
     assert "1 of 3 grasps can be done now" in printed
     assert "nothing is between its pads" in printed
     assert "Reach was not asked" in printed
-    printed = typed("rank", "--fixed", "table", scene, grasps, "--object", "1").out
+    printed = typed("rank", "--fixed", "table", scene, grasps, "--target", "1").out
     assert "0 of 1 grasps can be done now" in printed
 
 
@@ -86,7 +86,7 @@ def test_grasps_out_of_reach_say_so(scene, grasps, typed):
     [
         ((), "a scene and a file of grasps expected"),
         (("GRASPS", "GRASPS"), "a scene and a file of grasps expected"),
-        (("GRASPS", "--object", "cup"), "unknown object to grasp 'cup'"),
+        (("GRASPS", "--target", "cup"), "unknown target 'cup'"),
         (("GRASPS", "--robot", "hal"), "hal"),
         (("missing.npz",), "cannot be read"),
         (("SCENE",), "expected pred_grasps_cam or poses"),
