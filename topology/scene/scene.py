@@ -264,6 +264,7 @@ class Scene(ByValue):
         up, note = found
         return self._copy_with(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
+    @checked_arguments
     def examined(self, background: FloatArray | None = None, robot_bodies: Bodies = ()) -> "Scene":
         """Refuse views that disagree, say which masks are wrong in kind, and add what no mask names."""
         check_views(self.images, self.fixed)
@@ -275,6 +276,7 @@ class Scene(ByValue):
         """The scene with trusted masks: what is wrong with them stays said, and nothing is refused for it."""
         return self._copy_with(wrong_masks=tuple(replace(wrong, trusted=True) for wrong in self.wrong_masks))
 
+    @checked_arguments
     def with_unnamed(
         self, background: FloatArray | None = None, robot_bodies: Bodies = (), things: bool = True
     ) -> "Scene":

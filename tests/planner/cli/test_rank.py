@@ -52,11 +52,8 @@ def test_the_document_ranks_what_may_go_first_and_says_why_not(scene, grasps, ty
     assert (document["format"], document["format_version"], document["robot"]) == ("topple.rank", 1, "panda")
     assert document["reach_asked"] is True
     entries = document["grasps"]
-    assert [(entry["rank"], entry["index"], entry["object"]) for entry in entries] == [
-        (1, 1, "2"),
-        (2, 0, "1"),
-        (3, 2, None),
-    ]
+    told = [(entry["rank"], entry["index"], entry["object"]) for entry in entries]
+    assert told == [(1, 1, "2"), (2, 0, "1"), (3, 2, None)]
     assert [entry["feasible"] for entry in entries] == [True, False, False]
     assert entries[0]["why"] is None
     assert "2 would move: has to go before 1" in entries[1]["why"]
