@@ -47,8 +47,7 @@ def _json(capsys: pytest.CaptureFixture[str], *argv: object, code: int = 0) -> l
 
 def test_relate_prints_the_contracts_keys(stack, capsys):
     (document,) = _json(capsys, "relate", stack, "--json")
-    assert document["format"] == "topple.relations"
-    assert document["format_version"] == 1
+    assert (document["format"], document["format_version"]) == ("topple.relations", 1)
     assert document["scene"] == str(stack)
     assert document["objects"] == ["table", "below", "above", "beside"]
     relations = document["relations"]
@@ -79,8 +78,7 @@ def test_a_budget_without_a_check_is_refused(stack, typed):
 
 def test_order_prints_the_contracts_keys(stack, capsys):
     (document,) = _json(capsys, "order", stack, "--json", "--target", "below")
-    assert document["format"] == "topple.order"
-    assert document["format_version"] == 1
+    assert (document["format"], document["format_version"]) == ("topple.order", 1)
     assert document["targets"] == ["below"]
     assert document["order"] == ["above", "below"]
     assert {"dependencies", "supports", "groups", "unresolved", "risk"} <= document.keys()
@@ -210,8 +208,7 @@ def test_help_and_version_answer_without_the_heavy_imports():
     code = (
         "import sys; from topple.planner.cli.main import main; assert main(['--help']) == 0; "
         "heavy = {'numpy', 'scipy', 'networkx', 'pybullet', 'rich', 'trimesh', 'ompl', 'fcl'}; "
-        "heavy &= set(sys.modules); "
-        "assert not heavy, heavy"
+        "heavy &= set(sys.modules); assert not heavy, heavy"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr

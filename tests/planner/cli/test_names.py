@@ -3,6 +3,7 @@
 import inspect
 import re
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from on_table import table
@@ -73,3 +74,9 @@ def test_what_has_an_old_name_is_the_same():
     ranked = RankedGrasp(0, None, (), "out of reach")  # type: ignore[arg-type]
     with pytest.warns(DeprecationWarning, match="dropped is now why"):
         assert ranked.dropped == ranked.why and not ranked.feasible
+
+
+def test_the_page_of_commands_lists_every_old_name():
+    page = (Path(__file__).parents[3] / "docs" / "commands.md").read_text(encoding="utf-8").split("```")[1]
+    assert all(re.search(rf"\b{old.split()[-1]}\b.*\n", page) for old in OLD_NAMES)
+    assert all(re.search(rf"\b{new}\b", page) for new in OLD_NAMES.values())
