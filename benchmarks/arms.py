@@ -155,7 +155,8 @@ def planned(found: Examined) -> str:
         return "nothing in reach"
     scene = found.grasped.trial.scene()
     try:
-        checked = plan(scene, [found.grasped.trial.name], found.arm, base=np.eye(4)).verify(scene)
+        name = found.grasped.trial.name
+        checked = plan(scene, [name], found.arm, pose_base_to_world=np.eye(4)).verify(scene)
     except ToppleError as error:
         return str(error)
     return ", ".join(residual.name for residual in checked.residuals if not residual.ok)

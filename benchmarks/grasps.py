@@ -73,7 +73,7 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
 
 def _answer(entry: RankedGrasp) -> tuple[str, str]:
     """What a grasp holds, and what is in the way of the hand."""
-    told = (entry.dropped or "").split("; ")
+    told = (entry.why or "").split("; ")
     return entry.grasp.object, "; ".join(words for words in told if words.startswith(PLAIN))
 
 

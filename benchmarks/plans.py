@@ -127,7 +127,8 @@ def _clearing(seeds: range, progress: Progress) -> list[dict[str, Any]]:
             scene = seen(stage)
         begun = time.perf_counter()
         try:
-            made = plan(scene, list(scene.movable), stage.robot, base=stage.pose_base_to_world, seed=seed)
+            base = stage.pose_base_to_world
+            made = plan(scene, list(scene.movable), stage.robot, pose_base_to_world=base, seed=seed)
             proven += made.certified
         except NoSafePlan:
             pass  # counted below
@@ -149,7 +150,7 @@ def _holds(kind: str, seed: int) -> bool:
 def _verifies(stage: Scenario, scene: Scene, goal: str | Task) -> bool:
     """Whether there is a plan from what was seen, and it passes its check."""
     try:
-        made = plan(scene, goal, stage.robot, base=stage.pose_base_to_world, seed=stage.seed)
+        made = plan(scene, goal, stage.robot, pose_base_to_world=stage.pose_base_to_world, seed=stage.seed)
     except NoSafePlan:
         return False
     return made.certified and made.verify(scene).ok

@@ -78,11 +78,11 @@ def count_pile(seed: int, view: int) -> Counts:
 def main() -> None:
     """Count and print the rates as JSON."""
     parser = argparse.ArgumentParser(description="Count error rates of reasoning and of simulated lifts.")
-    parser.add_argument("--view", type=int, choices=(0, 1, 3), default=0, help="cameras, 0: whole surfaces")
+    parser.add_argument("--cameras", type=int, choices=(0, 1, 3), default=0, help="0: whole surfaces")
     parser.add_argument("--piles", type=int, default=40, help="how many piles, about half a minute each")
     args = parser.parse_args()
-    counts = [count_pile(FIRST_PILE + 2 * number, args.view) for number in range(args.piles)]
-    print_json({"view": args.view, "piles": args.piles, **rates(counts)})
+    counts = [count_pile(FIRST_PILE + 2 * number, args.cameras) for number in range(args.piles)]
+    print_json({"cameras": args.cameras, "piles": args.piles, **rates(counts)})
 
 
 if __name__ == "__main__":

@@ -169,7 +169,7 @@ def _crowds(extent: Extent, seed: int) -> list[Row]:
     for (few, many), plain, rule in cases:
         if not (plain or extent.crowds_by_default):
             continue
-        related = partial(relate, plain=plain, most_objects=len(many.names))
+        related = partial(relate, plain=plain, max_objects=len(many.names))
         related(few)
         repeats = extent.repeats if plain else 1
         short, long = cpu_medians([partial(related, few), partial(related, many)], repeats)

@@ -63,7 +63,7 @@ def soak(rounds: int) -> Held:
         with Rehearsal.of(scene, arm, BASE):
             pass
         if number % PLANS == 0:
-            plan(scene, goal, arm, base=BASE)
+            plan(scene, goal, arm, pose_base_to_world=BASE)
         memory.append(_memory())
         files = files if number else _files()
     third = max(1, rounds // 3)

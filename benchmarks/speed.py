@@ -363,7 +363,7 @@ def stacks_row(counts: Sequence[int], most: float, seed: int) -> Row:
 
 def json_row(count: int, seed: int) -> Row:
     """How large the relations of so many objects are as JSON, against every pair of them."""
-    found = relate(stacks_of_four(count, seed), most_objects=count + 1)
+    found = relate(stacks_of_four(count, seed), max_objects=count + 1)
     some, every = (len(json.dumps(found.to_json(far=far))) / 1e3 / count for far in (False, True))
     what = f"relations JSON of {count} objects in stacks of four without far pairs, for each object"
     return Row(what, some, "kB", "every pair", every, some / every, "<= 5")
@@ -372,7 +372,7 @@ def json_row(count: int, seed: int) -> Row:
 def _ordered(scene: Scene) -> float:
     """CPU time [s] of relations and order of a scene of any size."""
     most = len(scene.clouds)
-    return cpu_seconds(lambda: order(scene, relations=relate(scene, most_objects=most)))
+    return cpu_seconds(lambda: order(scene, relations=relate(scene, max_objects=most)))
 
 
 def _rendered(folder: Path, seed: int) -> Path:

@@ -133,7 +133,7 @@ def _lift(pile: Pile, example: Example) -> tuple[list[NDArray[np.uint8]], Move]:
         x, y, z = middle
         camera = Camera.looking_at(
             (float(eye[0]), float(eye[1]), float(eye[2])), (float(x), float(y), float(z)),
-            width=SIZE[0] * FINE, height=SIZE[1] * FINE, view=np.radians(50),
+            width=SIZE[0] * FINE, height=SIZE[1] * FINE, fov=np.radians(50),
         )  # fmt: skip
         pictures = [camera.picture(world)]
         moves = take_away(world, example.then, watch=_photographer(world, example, camera, pictures))

@@ -41,7 +41,7 @@ def main(paths: list[str], seed: int = 1) -> int:
             write(path, scene, base)
         return 0
     try:
-        plan = topple.rearrange(start, goal, "panda", base=base, check=True, seed=seed)
+        plan = topple.rearrange(start, goal, "panda", pose_base_to_world=base, verify=True, seed=seed)
     except topple.NoSafePlan as error:
         print(*error.certificate, sep="\n")
         return 1

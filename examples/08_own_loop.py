@@ -29,7 +29,7 @@ class Tracker:
 def solve(goal: str, driver: Driver, eyes: Perception) -> Iterator[str]:
     """Do one step at a time, decided by what is seen, until none is left; yields what each took."""
     look, arm, base = eyes.look(), driver.arm, driver.pose_base_to_world
-    while (found := plan(look.scene, goal, arm, base=base, q_start=driver.q_target)).steps:
+    while (found := plan(look.scene, goal, arm, pose_base_to_world=base, q_start=driver.q_target)).steps:
         step = found.steps[0]
         print(f"{step.action} {step.object}: {step.reason}")
         for number, segment in enumerate(step.segments):

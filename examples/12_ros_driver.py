@@ -50,7 +50,7 @@ class RosArm:
 
 
 if __name__ == "__main__":
-    import_module("topple.planner.cli.main").main(["robot", "panda", "-o", "ros_driver.png"])
+    import_module("topple.planner.cli.main").main(["robot", "panda", "--report", "ros_driver.png"])
     try:
         (ros := import_module("rclpy")).init()
         (there := RosArm(ros.create_node("topple"), robot("panda"))).wait(1.0)

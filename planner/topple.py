@@ -10,7 +10,7 @@ from importlib.metadata import version
 from sys import modules
 from typing import TYPE_CHECKING, Any
 
-from topple.topology.base.lazy_names import lazy_names
+from topple.topology.base.public_names import lazy_names
 
 if TYPE_CHECKING:
     from topple.planner import (

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from topple.topology.base.lazy_names import lazy_names
+from topple.topology.base.public_names import lazy_names
 
 if TYPE_CHECKING:
     from topple.robots.arm.gripper import ToolState

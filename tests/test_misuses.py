@@ -74,8 +74,8 @@ RIGHT: dict[str, Any] = {
     "matrix": np.ones((2, 3)),
     "grasps": np.eye(4)[None],
     "array": np.eye(4)[None],
-    "base": np.eye(4),
-    "second_base": np.eye(4),
+    "pose_base_to_world": np.eye(4),
+    "pose_second_to_world": np.eye(4),
     "client": 0,
 }
 EXPORTED = {
@@ -128,7 +128,7 @@ def test_hundreds_of_misuses_are_generated():
         ),
         ("order", {"targets": [7]}, r"^targets\[0\] is 7: expected str$"),
         ("order", {"hands": True}, r"^hands is True: expected int \| None$"),
-        ("plan", {"base": "here"}, r"^base holds text, expected real numbers$"),
+        ("plan", {"pose_base_to_world": "here"}, r"^pose_base_to_world holds text, expected real numbers$"),
         ("merge_views", {"images": ["a.npz"]}, r"^images\[0\] is 'a.npz': expected DepthImage$"),
         ("DepthImage", {"names": ["cup"]}, r"^names is of <class 'list'>: expected Mapping\[int, str\]$"),
     ],

@@ -9,7 +9,7 @@ from typing import Any
 
 from topple.benchmarks.document import ALONE, BENCHES, CHECKS, bench, options_of
 from topple.benchmarks.markdown import markdown_table, replaced_table
-from topple.planner.cli.arguments import COMMON, add, add_jobs, count, from_zero
+from topple.planner.cli.arguments import COMMON, add, add_jobs, count, from_zero, value
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import executor_at
@@ -34,8 +34,7 @@ _WITH_VALUES = (
         "truth, speed: compare with a commit of the checkout; run: JOURNAL, with its seeds",
     ),
     ("--scenario", "NAME", "run: the series of one scenario alone"),
-    ("--meshes", "DIR", "run: models that piles of another generator are made of"),
-    ("--models", "DIR", "paper: YCB models, as 011_banana (procedural)"),
+    ("--meshes", "DIR", "paper: YCB models, as 011_banana; run: those that piles of others are made of"),
     ("--scenes", "DIR", "paper: write its scenes there, for other commands"),
     ("--journal", "FILE", "run, demo, engines: keep what ended there, and go on (topple-bench-run.jsonl)"),
     ("--counts", "FILE", "demo: write what `topple demo` tells of its seeds"),
@@ -48,8 +47,6 @@ _WITH_VALUES = (
 )
 _SWITCHES = (
     ("--quick", "smaller and fewer cases: below two minutes"),
-    ("--ahead", "run: choose the next step while the arm acts"),
-    ("--verify", "order: score --verify too, which is slow"),
     ("--write", "truth: raise the floors to today's figures"),
     ("--markdown", "print the table as the pages of the docs have it"),
 )
@@ -69,14 +66,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(option, metavar=metavar, help=purpose)
     for option, purpose in _SWITCHES:
         parser.add_argument(option, action="store_true", help=purpose)
-    parser.add_argument(
-        "--minutes",
-        type=from_zero,
-        metavar="M",
-        help="run, demo, engines, build: begin nothing after it; 0 counts what was kept",
-    )
+    minutes = "run, demo, engines, build: begin nothing after it; 0 counts what was kept"
+    parser.add_argument("--minutes", **value("M", minutes, from_zero))
     add_jobs(parser)
-    parser.add_argument("--seeds", type=count, metavar="N", help="engines: seeds of each scene (40)")
+    parser.add_argument("--seeds", **value("N", "engines: seeds of each scene (40)", count))
+    add(parser, "--ahead", more=": run")
+    add(parser, "--verify", more=": order, which is slow")
     add(parser, *COMMON)
 
 
@@ -126,7 +121,7 @@ def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     """Of the options, those that were given and that a bench takes."""
     given = {key: getattr(args, key) for key in options_of(name) if key != "executor"}
     found = {key: value for key, value in given.items() if value is not None}
-    for key in found.keys() & {"data", "piles", "models", "meshes"}:
+    for key in found.keys() & {"data", "piles", "meshes"}:
         found[key] = _folder(found[key])
     if "scenes" in found:
         found["scenes"] = make_folder(found["scenes"])

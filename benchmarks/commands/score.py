@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from topple.benchmarks.guesses import Guess
 from topple.benchmarks.labels import read_truth
 from topple.benchmarks.scores import Score, f1_interval, judged, score, share_interval, unsafe_steps
-from topple.planner.cli.arguments import COMMON, FORMATS, add, add_jobs, add_scenes
+from topple.planner.cli.arguments import COMMON, add, add_jobs, add_scenes
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import for_each_scene
@@ -31,7 +31,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "SCENE...",
         "scenes, or orders as `topple order --json` prints them (.json), of topple or another program",
-        formats=[name for name in FORMATS if name != "--labels"],
     )
     parser.add_argument(
         "--labels",
@@ -41,9 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="one per scene: labels of a pile, mrt.json of REGRAD, .xml of VMRD, order.csv of MetaGraspNet "
         "(what recorded piles hold)",
     )
-    parser.add_argument("--verify", action="store_true", help="score the order that simulation has checked")
     add_jobs(parser)
-    add(parser, "--rule", "--orderer", *COMMON)
+    add(parser, "--verify", "--rule", "--orderer", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:

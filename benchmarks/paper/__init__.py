@@ -42,7 +42,7 @@ def rows(
     quick: bool,
     seed: int,
     progress: Progress,
-    models: Path | None = None,
+    meshes: Path | None = None,
     scenes: Path | None = None,
     executor: Executor | None = None,
 ) -> list[dict[str, Any]]:
@@ -52,7 +52,7 @@ def rows(
         quick: One variant of each scene.
         seed: Moves on to other variants; those of seed 0 are never used to choose anything.
         progress: Called before each part.
-        models: Folder of YCB models, one folder each; None: procedural things.
+        meshes: Folder of YCB models, one folder each; None: procedural things.
         scenes: Where the scenes are written to, as `.npz` the other commands read.
         executor: Whose workers take the variants, and see the same folders; None for a process a core.
 
@@ -62,10 +62,10 @@ def rows(
     Raises:
         InvalidInput: A folder is not there.
     """
-    for place, what in ((models, "models"), (scenes, "scenes")):
+    for place, what in ((meshes, "meshes"), (scenes, "scenes")):
         if place is not None and not place.is_dir():
             raise InvalidInput(f"there is no folder {place} for {what}: give one that exists")
-    things = Things(models)
+    things = Things(meshes)
     if things.absent:
         progress(f"no model of {', '.join(things.absent)}: procedural")
     with open_executor(executor) as pool:

@@ -78,7 +78,7 @@ CASES = tuple((goal, arm) for goal in GOALS for arm in ("panda", "panda-suction"
 @cache
 def planned(goal: str, arm: str) -> Plan:
     """A plan of one of `CASES`."""
-    return plan(scene_for(goal), goal, arm, base=BASE)
+    return plan(scene_for(goal), goal, arm, pose_base_to_world=BASE)
 
 
 def catch(case: tuple[str, str], every: int = 1, first: int = 0) -> Caught:

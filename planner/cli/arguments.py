@@ -1,9 +1,10 @@
-"""The options that several sub-commands have, each described once."""
+"""The options of the sub-commands, each described once: a name means the same wherever it is taken."""
 
 import argparse
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from topple.robots.engines import DEFAULT_ENGINE, ENGINES
@@ -83,22 +84,44 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "of its name where it fits; without DIR the models of a BOP scene, not its depth",
         nargs="?", const=True),
     "--depth": value("TOPIC", "topic of a recording's depth images, or clouds with labels (the only one)"),
-    "--masks": value(
-        "FILE", "masks of an RGB-D frame without any, as SAM gives them: .json of run lengths, .npy, .npz"),
     "--info": value("TOPIC", "topic of its camera's intrinsics (the only one)"),
-    "--labels": value("TOPIC", "topic of its masks (the only one)"),
+    "--masks": value(
+        "TOPIC|FILE", "topic of a recording's masks (the only one); or a file of masks for an RGB-D frame "
+        "without any, as SAM gives them: .json of run lengths, .npy, .npz"),
+    # answers
+    "-o/--output": value("PATH", "where the answer is written"),
+    "--report": value("FILE", "where the answer is drawn for people"),
+    "--verify": switch("check the answer by other means"),
     # many scenes
     "--jobs": value("N", "several scenes: so many processes (one a core)", count),
     "--cluster": value("ADDRESS", "several scenes: the workers of a dask scheduler"),
+    "--same-labels": switch("a label means the same object in the masks of all views"),
     # relations and orders
     "--rule": value("NAME", "what relates: robust, plain or a plugin's (robust)"),
-    "--orderer": value("NAME", "what orders: fewest, cautious or a plugin's (fewest)"),
+    "--orderer": value("NAME", "what orders: fewest, cautious or a plugin's (fewest; run, demo: cautious)"),
+    "--deviation": value("M", "distance in metres that still counts as touching (estimated)", float),
+    "--plain": switch(
+        "the paper's rule to the letter of its Table 1 with a deviation of 0.002 unless given"),
+    "--all-pairs": switch("list pairs that are far apart as well"),
+    "--hands": value(
+        "N", "number of hands: where objects hold each other, 1 has no safe order, and 2 or more may", count),
+    "--next-view": switch(
+        "say from where a camera would see most of what is hidden and decides the order"),
+    "--explain": switch("print every step, and everything that carries something"),
+    "--build": switch(
+        "say in which order to put the objects of this finished arrangement down, and what to hold"),
+    "--no-margins": switch("verdicts alone, without forces and margins: sooner"),
+    "--play": switch(
+        "also let time start in simulation, and show where what moves is not what statics says"),
+    "--mend": value(
+        "FILE", "write the least shifts, under 5 mm, that make one scene stand there, as poses in JSON"),
+
     "--max-objects": value(
         "N", "how many objects a scene may have (500): the work grows with the square of it", count),
     "--masks-as-they-are": switch(
         "answer although the target hangs on a mask that is split, merged, level or twice"),
     # goals
-    "--target": names("what to free, with the fewest removals (everything is cleared)"),
+    "--target": names("objects to free, with the fewest removals (all, where no goal is needed)"),
     "--goal": value("TEXT", 'the goal: "lemon within bowl", "red on green on blue", "empty bowl", "sort"'),
     "--to": value(
         "GOAL", "the goal arrangement: another scene of them, what `topple relate --json` wrote, or words "
@@ -107,7 +130,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         None, "by what objects of --to are found: by name, or by shape, whatever they are called (name)",
         choices=("name", "shape"), default="name"),
     # arms
-    "--robot": value("NAME", "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships"),
+    "--robot": value("NAME", "arm: panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships"),
     "--gripper": value(
         "FILE", "with FILE.urdf: its [jaw], [cup], [hand] or [arm], in TOML; the URDF of a hand to mount; or "
         "wsg50; a parallel jaw of the URDF is recognised"),
@@ -133,6 +156,10 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "what a fixture, such as a vice, keeps where it stands until the hand holds it", default=[]),
     "--budget": value(
         "S", "wall-clock seconds that the answer may take; what takes longer fails", positive),
+    "--upright": names("what is kept upright while it is carried, with what is in it", default=[]),
+    "--allow-drop": switch(
+        "release an object even if no stable place is in reach; the step is marked `falls`"),
+    "--no-grasp": switch("leave out the grasp in simulation"),
     # simulation
     "--cameras": value(None, "depth cameras that look on (3)", int, choices=(1, 2, 3), default=3),
     "--mask-noise": value(
@@ -145,10 +172,18 @@ OPTIONS: dict[str, dict[str, Any]] = {
         None, f"what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) ({DEFAULT_ENGINE})",
         choices=ENGINES, default=DEFAULT_ENGINE),
     "--video": value("FILE", "write a film of it, out.mp4, with the extra 'video'"),
+    "--shuffle-labels": switch("keep no names between looks: match what is seen with what is remembered"),
+    "--lerobot": value("DIR", "add it to a dataset of LeRobot v3 there", Path),
+    "--list": switch("say which scenes there are, and leave"),
+    # servers
+    "--plan": value("FILE", "a plan of the scene, whose steps are shown (its order)"),
+    "--host": value("ADDRESS", "who may connect (127.0.0.1; any: 0.0.0.0)", default="127.0.0.1"),
+    "--port": value("N", "where to listen, or next to it (8080)", int, default=8080),
+    "--root": value("DIR", "the folder of all that is read and written (.)", default="."),
 }
 # fmt: on
 
-FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels", "--masks")
+FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--masks")
 GRIPPER = ("--gripper", "--srdf", "--group")
 SEEN_ROBOT = (*GRIPPER, "--base", "--joints")
 SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video")
@@ -164,10 +199,11 @@ GROUPS = {
 """Under which heading the help of a command has an option; others are the command's own."""
 
 
-def add(parser: argparse.ArgumentParser, *names: str, **changed: Any) -> None:
-    """Add some of `OPTIONS`; `changed` is what is otherwise for this command."""
+def add(parser: argparse.ArgumentParser, *names: str, more: str = "", **changed: Any) -> None:
+    """Add some of `OPTIONS`; `more` is what a command has to say beside, `changed` its default."""
     for name in names:
-        _group(parser, name).add_argument(name, **{**OPTIONS[name], **changed})
+        about = {**OPTIONS[name], **changed, "help": OPTIONS[name]["help"] + more}
+        _group(parser, name).add_argument(*name.split("/"), **about)
 
 
 def _group(parser: argparse.ArgumentParser, option: str) -> Any:
@@ -183,18 +219,17 @@ def add_scenes(
     parser: argparse.ArgumentParser,
     metavar: str = "SCENE",
     purpose: str = ".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, BOP scene, or ROS bag",
-    formats: Sequence[str] = FORMATS,
 ) -> None:
     """Add the scenes, or what takes their place, with the options of their formats."""
     parser.add_argument("scenes", nargs="*", metavar=metavar, help=purpose)
-    add(parser, *formats)
+    add(parser, *FORMATS)
 
 
 def add_many(parser: argparse.ArgumentParser) -> None:
     """Add scenes, where they are worked on, one of the two, and where answers to them are kept."""
     add_jobs(parser)
-    words = "write a line of JSON for each scene there; the same command goes on where it was stopped"
-    parser.add_argument("-o", "--output", **value("FILE", words))
+    words = ": a line of JSON for each scene; the same command goes on where it was stopped"
+    add(parser, "-o/--output", more=words)
     add_scenes(parser, "SCENE...")
 
 
@@ -207,12 +242,11 @@ def add_jobs(parser: argparse.ArgumentParser) -> None:
 
 def add_robot(parser: argparse.ArgumentParser) -> None:
     """Add the arm and its place."""
-    add(parser, "--robot", default="panda", help=f"{OPTIONS['--robot']['help']} (panda)")
+    add(parser, "--robot", more=" (panda)", default="panda")
     add(parser, *SEEN_ROBOT)
 
 
 def add_task(parser: argparse.ArgumentParser) -> None:
     """Add what shall be done, names to free, words, or how things shall lie, and the arm that does it."""
-    add(parser, "--target", help="what to free: lifted clear and put down elsewhere")
-    add(parser, "--goal", "--to", "--match")
+    add(parser, "--target", "--goal", "--to", "--match")
     add_robot(parser)

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, add, add_many, switch, value
+from topple.planner.cli.arguments import COMMON, add, add_many
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, store
@@ -18,13 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_many(parser)
     add(parser, *COMMON)
-    parser.add_argument("--no-margins", **switch("verdicts alone, without forces and margins: sooner"))
-    play = "also let time start in simulation, and show where what moves is not what statics says"
-    parser.add_argument("--play", **switch(play))
-    report = "draw one scene, with forces and margins as arrows: out.html, or out.png"
-    parser.add_argument("--report", **value("FILE", report))
-    mend = "write the least shifts, under 5 mm, that make one scene stand there, as poses in JSON"
-    parser.add_argument("--mend", **value("FILE", mend))
+    add(parser, "--no-margins", "--play", "--mend")
+    add(parser, "--report", more=": of one scene, with forces and margins as arrows, out.html or out.png")
 
 
 def execute(args: argparse.Namespace) -> int:

@@ -20,12 +20,7 @@ def completion(shell: str, parsers: Mapping[str, argparse.ArgumentParser]) -> st
     from topple.planner.export import EXPORTERS
     from topple.robots.catalog import names
 
-    values = {
-        "--robot": names(),
-        "--to": list(EXPORTERS),
-        "--cameras": ["1", "2", "3"],
-        "--completion": SHELLS,
-    }
+    values = {"--robot": names(), "--to": list(EXPORTERS), "--cameras": "123", "--completion": SHELLS}
     after = "\n".join(f'    {flag}) words="{" ".join(known)}" ;;' for flag, known in values.items())
     each = "\n".join(
         f'    {name}) options="{" ".join(_options(parser))}" ;;' for name, parser in parsers.items()

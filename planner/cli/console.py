@@ -8,7 +8,7 @@ from typing import Any
 
 from topple.planner.cli.arguments import OPTIONS
 
-_OPTIONS = {"most_bytes": "--max-mb", "most_objects": "--max-objects"}
+_OPTIONS = {"max_bytes": "--max-mb"}
 """Keywords of Python whose options are called otherwise."""
 
 _ELSE = re.compile(r",? or pose_source_to_world=\w+")

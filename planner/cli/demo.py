@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, OPTIONS, SIMULATION, add, switch, value
+from topple.planner.cli.arguments import COMMON, SIMULATION, add
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import keywords, orderer_of, rule_of
@@ -21,13 +21,10 @@ _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
-    parser.add_argument("--list", **switch("say which scenes there are, and leave"))
-    add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
-    add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
+    add(parser, "--list", "--rule", "--orderer", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
-    add(parser, "--robot", help=f"{OPTIONS['--robot']['help']} (the one the scene is made for)")
-    where = f"where everything is written ({_FOLDER})"
-    parser.add_argument("-o", "--output", **value("FOLDER", where, default=_FOLDER))
+    add(parser, "--robot", more=" (the one the scene is made for)")
+    add(parser, "-o/--output", more=f": a folder of {', '.join(_FILES)} ({_FOLDER})", default=_FOLDER)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -68,11 +65,9 @@ def _as_counted(args: argparse.Namespace) -> bool:
     """Whether the scene is played with what its seeds were counted with."""
     from topple.planner.execution.demo_seeds import CAMERAS
 
-    plain = not (
-        args.mask_noise or args.wrist_camera or args.ahead or args.rule or args.orderer or args.clamped
-    )
-    same = args.robot is None and args.engine == BULLET
-    return same and args.cameras == CAMERAS and plain
+    other = ("mask_noise", "wrist_camera", "ahead", "rule", "orderer", "clamped", "robot")
+    plain = not any(getattr(args, key) for key in other)
+    return plain and args.engine == BULLET and args.cameras == CAMERAS
 
 
 def _print_demo(name: str, folder: Path, run: dict[str, Any], *, as_counted: bool) -> None:

@@ -18,8 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("plan", **value("PLAN", "plan.json, for pddl an order's JSON, too; - reads stdin"))
     formats = "pddl, bt, dot, graphml, moveit, ros2, json, or a plugin's"
     parser.add_argument("--to", **value("FORMAT", formats, required=True))
-    where = "where to write it (stdout); for pddl a folder gets domain.pddl and problem.pddl"
-    parser.add_argument("-o", "--output", **value("FILE", where))
+    add(parser, "-o/--output", more="; for pddl a folder gets domain.pddl and problem.pddl (stdout)")
     add(parser, *COMMON)
 
 

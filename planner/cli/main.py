@@ -17,10 +17,11 @@ import warnings
 from collections.abc import Sequence
 from importlib.util import find_spec
 from types import ModuleType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from topple.planner.cli.arguments import ShowVersion
 from topple.planner.cli.console import complain
+from topple.topology.base.public_names import RENAMED, new_name
 
 DONE, NO_SAFE_PLAN, WRONG_USE, CRASHED, INTERRUPTED = 0, 1, 2, 70, 130
 """70 as in sysexits: what went wrong is neither the input nor the plan."""
@@ -54,7 +55,7 @@ EXAMPLES = {
     "run": ("run frame.npz plate --report run.html", "run frame.npz --robot ur5e --gripper robotiq_2f_85"),
     "robot": ("robot ur5e --gripper robotiq_2f_85", "robot arm.urdf --gripper hand.toml"),
     "scene": ("scene left.npz right.npz -o both.npz", "scene left.npz right.npz --same-labels --json"),
-    "rank": ("rank frame.npz grasps.npy", "rank frame.npz grasps.npy --object mug --json"),
+    "rank": ("rank frame.npz grasps.npy", "rank frame.npz grasps.npy --target mug --json"),
     "score": ("score pile.npz", "score piles/*.npz --json"),
     "demo": ("demo --list", "demo pile --cameras 1 --wrist-camera"),
     "bench": ("bench relate --quick", "bench check --markdown"),
@@ -91,7 +92,11 @@ class _Help(argparse.RawDescriptionHelpFormatter):
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
+    """A parser whose errors are one line, and for which -1e-3 is a number and no option."""
+
+    def __init__(self, *args: Any, **keywords: Any) -> None:
+        super().__init__(*args, **keywords)
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong, what was meant and where to read on, and leave with exit code 2."""
@@ -191,7 +196,9 @@ def _run(arguments: list[str]) -> int:
     if not arguments:
         sys.stdout.write(_START)
         return DONE
-    args, unknown = parser.parse_known_args([_plain_number(argument) for argument in arguments])
+    if chosen in commands:
+        _take_old_names(str(chosen), commands[chosen], arguments)
+    args, unknown = parser.parse_known_args(arguments)
     if unknown:
         commands.get(args.command, parser).refuse(unknown)
     if args.command is None:
@@ -246,6 +253,17 @@ def _parser(chosen: str | None) -> tuple[_Parser, dict[str, _Parser]]:
     return parser, commands
 
 
+def _take_old_names(command: str, parser: _Parser, arguments: Sequence[str]) -> None:
+    """Have old names of options, where they are used, mean the new ones, and say so."""
+    actions = parser._option_string_actions
+    known = [flag.lstrip("-") for flag in actions]
+    for flag in [argument.partition("=")[0] for argument in arguments]:
+        new = f"--{new_name(flag.lstrip('-'), known, command)}"
+        if flag.startswith("-") and flag not in actions and new in actions:
+            complain(RENAMED.format(flag, new))
+            actions[flag] = actions[new]
+
+
 def _path(command: str) -> str:
     return f"topple.{'benchmarks.commands' if command in _MEASURING else 'planner.cli'}.{command}"
 
@@ -257,16 +275,6 @@ def _is_here(command: str) -> bool:
 
 def _module(command: str) -> ModuleType:
     return importlib.import_module(_path(command))
-
-
-def _plain_number(argument: str) -> str:
-    """Write -1e-3 as -0.001: argparse takes the former for an option."""
-    if not argument.startswith("-") or "e" not in argument.lower():
-        return argument
-    try:
-        return f"{float(argument):.20f}"
-    except ValueError:
-        return argument
 
 
 if __name__ == "__main__":

@@ -2,16 +2,14 @@
 
 import argparse
 
-from topple.planner.cli.arguments import COMMON, add, value
+from topple.planner.cli.arguments import COMMON, add
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import Reading
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    folder = "the folder of all that is read and written (.)"
-    parser.add_argument("--root", **value("DIR", folder, default="."))
-    add(parser, *COMMON)
+    add(parser, "--root", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -22,5 +20,5 @@ def execute(args: argparse.Namespace) -> int:
     if args.allow_outside:
         args.parser.error("--allow-outside: a server reads nothing outside --root")
     read = Reading.of(args)
-    serve(Root.at(args.root, fixed=read.fixed, up=read.up, seed=args.seed, most_bytes=read.most_bytes))
+    serve(Root.at(args.root, fixed=read.fixed, up=read.up, seed=args.seed, max_bytes=read.max_bytes))
     return DONE

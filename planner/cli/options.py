@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from topple.planner.cli.robot_options import seen_robot
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 Answer = TypeVar("Answer")
 
 _SCENE_SUFFIXES = (".npz", ".npy")
-_OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "labels", "view", "masks")  # of one each
-_LISTS = ("fixed", "target", "clamped")  # options that take one name after the other
+_OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "view", "masks")  # of one each
+_LISTS = ("fixed", "target", "clamped", "upright")  # options that take one name after the other
 
 
 def keywords(function: Callable[..., object], args: argparse.Namespace, **own: Any) -> dict[str, Any]:
@@ -81,10 +81,7 @@ def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
     """
     paths = list(args.scenes)
     for option in _LISTS:
-        values = getattr(args, option, None)
-        if not isinstance(values, list):
-            continue
-        names = cast(list[str], values)
+        names: list[str] = getattr(args, option, None) or []
         start = next((i for i in range(1, len(names)) if _is_scene(names[i], anything=not paths)), len(names))
         paths += names[start:]
         del names[start:]
@@ -108,7 +105,7 @@ def _is_scene(value: str, *, anything: bool) -> bool:
 
 def _is_name(value: str) -> bool:
     """Whether a value is no path: nothing of that name is there, and it looks like none."""
-    return not os.path.exists(value) and os.sep not in value and "." not in value
+    return not os.path.exists(value) and os.sep not in value and "." not in value and value != "-"
 
 
 def _is_bop(value: str) -> bool:
@@ -122,7 +119,7 @@ class Reading:
     Attributes:
         fixed: Names that never move.
         up: Direction against gravity, or None.
-        most_bytes: What a file may unpack to, or None for as much as is usual.
+        max_bytes: What a file may unpack to, or None for as much as is usual.
         allow_outside: Whether scene.json may name files that are not below its folder.
         options: What was given of the options that one format alone has, and the folder of known models.
         robot: What says where in a scene the bodies of a robot in its picture are; none without --joints.
@@ -132,7 +129,7 @@ class Reading:
 
     fixed: tuple[str, ...]
     up: tuple[float, ...] | None
-    most_bytes: int | None
+    max_bytes: int | None
     allow_outside: bool
     options: Mapping[str, Any]
     robot: "Callable[[Scene], Sequence[FloatArray]] | tuple[()]" = ()
@@ -159,7 +156,7 @@ class Reading:
         from topple.topology.io import load_scene
 
         found = load_scene(
-            path, fixed=self.fixed, up=self.up, most_bytes=self.most_bytes, robot=self.robot,
+            path, fixed=self.fixed, up=self.up, max_bytes=self.max_bytes, robot_bodies=self.robot,
             allow_outside=self.allow_outside, **self.options,
         )  # fmt: skip
         return found.with_masks_as_they_are() if self.as_they_are else found

@@ -7,7 +7,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, count, switch, value
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, store
@@ -32,23 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_many(parser)
     add(parser, "--target", "--max-objects", "--rule", "--orderer", "--masks-as-they-are", *COMMON)
-    verify = "check the dependencies in simulation: take every object away"
-    parser.add_argument("--verify", **switch(verify))
-    add(parser, "--budget", help="wall-clock seconds that an order with --verify may take, or it fails")
-    robot = "say what bars the gripper's way: panda, panda-suction, iiwa, xarm6, FILE.urdf or a shipped one"
-    add(parser, "--robot", help=robot)
-    add(parser, *SEEN_ROBOT)
-    hands = "number of hands: where objects hold each other, 1 has no safe order, and 2 or more may"
-    parser.add_argument("--hands", **value("N", hands, count))
-    add(parser, "--clamped")
-    view = "say from where a camera would see most of what is hidden and decides the order"
-    parser.add_argument("--next-view", **switch(view))
-    parser.add_argument("--explain", **switch("print every step, and everything that carries something"))
-    build = "say in which order to put the objects of this finished arrangement down, and what to hold"
-    parser.add_argument("--build", **switch(build))
-    to = "say in which order to move objects until they lie as another scene, relations or words say"
-    add(parser, "--to", help=to)
-    add(parser, "--match")
+    add(parser, "--verify", more=": in simulation every object is taken away")
+    add(parser, "--robot", more=": what bars the way of its gripper is said")
+    add(parser, "--budget", more=", with --verify")
+    add(parser, *SEEN_ROBOT, "--hands", "--clamped", "--next-view", "--explain")
+    add(parser, "--build", "--to", "--match")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -73,7 +61,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.max_objects is not None:
         from topple.topology.relations.relate import relate
 
-        relating = partial(relating or relate, most_objects=args.max_objects)
+        relating = partial(relating or relate, max_objects=args.max_objects)
     options = {key: getattr(args, key) for key in ("seed", "verify", "budget", "hands", "clamped")}
     options["robot"] = arm_of(args) if args.robot else None
     scene_paths(args)  # which may be among the names of --fixed and --target

@@ -5,7 +5,7 @@ import json
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task, switch, value
+from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import goal_of, keywords, orderer_of, read_scene, rule_of, scene_paths
@@ -24,16 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser)
     add_task(parser)
     add(parser, "--rule", "--orderer", "--masks-as-they-are", *COMMON)
-    upright = "what is kept upright while it is carried, with what is in it"
-    parser.add_argument("--upright", **value("NAME", upright, nargs="+", default=[]))
-    add(parser, "--away", "--bin", "--clamped", "--budget")
-    drop = "release an object even if no stable place is in reach; the step is marked `falls`"
-    parser.add_argument("--allow-drop", **switch(drop))
-    verify = "check the plan again by other means: python-fcl at 0.002 rad, PyBullet, limits, physics, goal"
-    parser.add_argument("--verify", **switch(verify))
-    parser.add_argument("-o", "--output", **value("FILE", "where to write the plan, e.g. plan.json"))
-    report = "where to write its page, e.g. plan.html: the arm's motion on a time line"
-    parser.add_argument("--report", **value("FILE", report))
+    add(parser, "--away", "--bin", "--clamped", "--budget", "--upright", "--allow-drop")
+    add(parser, "--verify", more=": python-fcl at 0.002 rad, PyBullet, limits, physics, goal")
+    add(parser, "-o/--output", more=", plan.json")
+    add(parser, "--report", more=": the arm's motion on a time line, plan.html")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -56,8 +50,8 @@ def execute(args: argparse.Namespace) -> int:
         if (base := base_of(args, scene)) is not None:
             scene = scene.with_base(base)
         asked = keywords(
-            plan, args, scene=scene, goal=goal, robot=arm, base=None, away=away, orderer=orderer or ordered,
-            relations=relating, progress=lambda text: progress(args.said(text)),
+            plan, args, scene=scene, goal=goal, robot=arm, away=away, orderer=orderer or ordered,
+            verify=False, relations=relating, progress=lambda text: progress(args.said(text)),
         )  # fmt: skip
         found = plan(**asked)
         checked = None
@@ -74,10 +68,9 @@ def execute(args: argparse.Namespace) -> int:
     holds = checked is None or checked.ok
     if place is not None and holds:
         write_whole(place, document + "\n")
-    if args.json and checked is not None:
-        print_json({**json.loads(document), "verification": checked.to_json()})
-    elif args.json:
-        print_json(json.loads(document))
+    if args.json:
+        verified = {} if checked is None else {"verification": checked.to_json()}
+        print_json({**json.loads(document), **verified})
     else:
         found, checked = args.said((found, checked))
         _print_plan(path, found)

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, add, add_robot, add_scenes, value
+from topple.planner.cli.arguments import COMMON, add, add_robot, add_scenes
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, WRONG_USE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of, base_of
 from topple.planner.cli.tables import print_assumptions
-from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.planner.decide.dependency import DependencyGraph
@@ -33,9 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     kinds = "GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 poses, or - for what is piped in"
     add_scenes(parser, "SCENE GRASPS", f"a scene, and grasps in its frame: {kinds}; more such pairs")
-    parser.add_argument("--object", **value("NAME", "only the grasps that hold this object (all)"))
     add_robot(parser)
-    add(parser, "--rule", "--orderer", "--masks-as-they-are", *COMMON)
+    add(parser, "--target", "--rule", "--orderer", "--masks-as-they-are", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -64,21 +63,19 @@ def execute(args: argparse.Namespace) -> int:
 def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: Progress) -> None:
     """Rank the grasps of one scene and print them."""
     from topple.planner.grasp.rank import camera_frame, rank_grasps
-    from topple.planner.planning.order import check_masks
+    from topple.planner.planning.order import check_masks, check_targets
 
     progress(f"reading {path}")
     scene = read_scene(args, path)
-    if args.object is not None and args.object not in scene.movable:
-        raise UnknownObject(args.object, scene.movable, role="object to grasp")
-    scene = check_masks(scene, [args.object] if args.object else [])
+    wanted = check_targets(scene, args.target) if args.target else ()
+    scene = check_masks(scene, wanted)
     grasps = _read(file)
     progress(f"{path}: ranking {len(grasps)} grasps")
     base = base_of(args, scene)
     graph, frame = _graph(args, scene), camera_frame(scene, grasps)
     ranked = rank_grasps(scene, grasps, arm, pose_source_to_world=frame, pose_base_to_world=base, graph=graph)
     progress.clear()
-    if args.object is not None:
-        ranked = [entry for entry in ranked if entry.grasp.object == args.object]
+    ranked = [entry for entry in ranked if not wanted or entry.grasp.object in wanted]
     reach = base is not None or scene.robot_base is not None
     if args.json:
         document = _document((path, file), arm.name, reach, ranked)
@@ -137,8 +134,8 @@ def _document(
                 "pose_tool_to_world": entry.grasp.pose_tool_to_world.tolist(),
                 "width": entry.grasp.opening or None,
                 "score": entry.grasp.score,
-                "feasible": entry.dropped is None,
-                "why": entry.dropped,
+                "feasible": entry.feasible,
+                "why": entry.why,
                 "unseen": entry.grasp.unseen,
                 "before": list(entry.before),
             }
@@ -148,7 +145,7 @@ def _document(
 
 
 def _print(paths: Sequence[str], source: str, ranked: "Sequence[RankedGrasp]") -> None:
-    free = [entry for entry in ranked if entry.dropped is None]
+    free = [entry for entry in ranked if entry.feasible]
     objects = Counter(entry.grasp.object for entry in free)
     which = ", ".join(f"{count} of {name}" for name, count in objects.items())
     print_text(f"{paths[1]} ({source}) in {paths[0]}: {len(free)} of {len(ranked)} grasps can be done now")
@@ -162,4 +159,4 @@ def _print(paths: Sequence[str], source: str, ranked: "Sequence[RankedGrasp]") -
 def _row(rank: int, entry: "RankedGrasp") -> tuple[str, ...]:
     width = f"{1e3 * entry.grasp.opening:.0f}" if entry.grasp.opening else ""
     name = entry.grasp.object
-    return (str(rank), str(entry.index), name, f"{entry.grasp.score:.3g}", width, entry.dropped or "now")
+    return (str(rank), str(entry.index), name, f"{entry.grasp.score:.3g}", width, entry.why or "now")

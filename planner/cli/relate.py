@@ -4,7 +4,7 @@ import argparse
 from functools import partial
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many, switch, value
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_many
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import Kept, for_each_scene, store
 from topple.planner.cli.options import Reading, rule_of, scene_paths
@@ -16,12 +16,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_many(parser)
     add(parser, "--max-objects", "--rule", "--robot", *SEEN_ROBOT, *COMMON)
-    deviation = "distance in metres that still counts as touching (estimated)"
-    parser.add_argument("--deviation", **value("M", deviation, float))
-    plain = "the paper's rule to the letter of its Table 1 with a deviation of 0.002 unless given"
-    parser.add_argument("--plain", **switch(plain))
-    pairs = f"list pairs that are far apart as well where there are more than {ALL_PAIRS_UP_TO} objects"
-    parser.add_argument("--all-pairs", **switch(pairs))
+    add(parser, "--deviation", "--plain")
+    add(parser, "--all-pairs", more=f", of more than {ALL_PAIRS_UP_TO} objects too")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -30,9 +26,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.plain and args.rule not in (None, "plain"):
         args.parser.error(f"--plain is a rule as {args.rule} is: give one of the two")
     rule_of(args)  # refused before anything is read
-    options = {
-        "deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects, "rule": args.rule
-    }  # fmt: skip
+    options = {key: getattr(args, key) for key in ("deviation", "plain", "max_objects", "rule")}
     work = partial(_document, Reading.of(args), options, args.all_pairs)
     return for_each_scene(args, work, partial(_show, args.json))
 

@@ -4,7 +4,7 @@ import argparse
 import shlex
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, GRIPPER, OPTIONS, add, switch, value
+from topple.planner.cli.arguments import COMMON, GRIPPER, OPTIONS, add
 from topple.planner.cli.console import in_options, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.progress import Progress
@@ -18,14 +18,13 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("robot", metavar="ROBOT", help=OPTIONS["--robot"]["help"])
-    add(parser, *GRIPPER, *COMMON)
-    parser.add_argument("--no-grasp", **switch("leave out the grasp in simulation"))
-    parser.add_argument("-o", "--output", **value("FILE", "draw it at home, out.png"))
+    add(parser, *GRIPPER, *COMMON, "--no-grasp")
+    add(parser, "--report", more=": the arm at home, out.png")
 
 
 def execute(args: argparse.Namespace) -> int:
     """Read an arm, try it, and say what was found; 1 if it has no tool, misses poses, or the grasp fails."""
-    place = output_of(args, "output")
+    place = output_of(args, "report")
     with Progress("robot") as progress:
         progress(f"reading {args.robot}")
         arm = robot_of(args)
@@ -56,25 +55,17 @@ def _line(args: argparse.Namespace) -> str:
 def _print(robot: str, said: dict[str, Any], line: str, arm: "Arm") -> None:
     many = len(said["joints"])
     print_text(f"{robot}: {said['name']}, {many} joints from {said['base']}, reach {said['reach']:.2f} m")
-    rows = [
-        (
-            joint["name"],
-            joint["kind"],
-            *(f"{joint[key]:.2f}" for key in ("lower", "upper", "velocity", "acceleration")),
-        )
-        for joint in said["joints"]
-    ]
-    print_table(("joint", "kind", "lower", "upper", "velocity", "acceleration"), rows, right=(2, 3, 4, 5))
+    limits = ("lower", "upper", "velocity", "acceleration")
+    rows = [(each["name"], each["kind"], *(f"{each[key]:.2f}" for key in limits)) for each in said["joints"]]
+    print_table(("joint", "kind", *limits), rows, right=(2, 3, 4, 5))
     if said["still"]:
         print_text(f"Hold still: {', '.join(said['still'])}.")
     for tool in said["tools"]:
         print_text(_tool_words(tool))
     own = said["self_collision"]
     disabled = f", {own['disabled']} left out as the SRDF has it" if own["disabled"] else ""
-    print_text(
-        f"Self-collision: {100 * own['free']:.1f} % of all states are free "
-        f"({own['pairs']} pairs of links checked{disabled})."
-    )
+    checked = f"({own['pairs']} pairs of links checked{disabled})"
+    print_text(f"Self-collision: {100 * own['free']:.1f} % of all states are free {checked}.")
     if said["tools"]:
         asked = said["inverse"]
         share, bar = 100 * asked["solved"] / max(asked["poses"], 1), 100 * asked["bar"]

@@ -1,9 +1,8 @@
 """`topple run`: a scene rebuilt in PyBullet, and an arm that does in it what the goal says."""
 
 import argparse
-from pathlib import Path
 
-from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task, switch, value
+from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import goal_of, keywords, orderer_of, read_scene, rule_of, scene_paths
@@ -17,13 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_scenes(parser)
     add_task(parser)
-    add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
-    add(parser, "--second-base", "--away", "--bin", "--clamped", "--rule", "--masks-as-they-are")
-    add(parser, *SIMULATION, *COMMON)
-    shuffle = "keep no names between looks: match what is seen with what is remembered"
-    parser.add_argument("--shuffle-labels", **switch(shuffle))
-    parser.add_argument("--lerobot", **value("DIR", "add it to a dataset of LeRobot v3 there", Path))
-    parser.add_argument("--report", **value("FILE", "where to write the report, e.g. out.html"))
+    add(parser, "--second-base", "--away", "--bin", "--clamped", "--rule", "--orderer", "--masks-as-they-are")
+    add(parser, *SIMULATION, *COMMON, "--shuffle-labels", "--lerobot")
+    add(parser, "--report", more=": before, after and every step, out.html")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -44,8 +39,9 @@ def execute(args: argparse.Namespace) -> int:
 
         progress(f"{path}: rebuilding the scene")
         asked = keywords(
-            run, args, scene=scene, goal=goal, robot=arm_of(args), base=base_of(args, scene),
-            second_base=base_of(args, scene, "--second-base"), away=away, video=video, relate=relating,
+            run, args, scene=scene, goal=goal, robot=arm_of(args), away=away, video=video,
+            pose_base_to_world=base_of(args, scene), relate=relating,
+            pose_second_to_world=base_of(args, scene, "--second-base"),
             photos=place is not None, orderer=orderer or cautious,
             progress=lambda text: progress(args.said(text)),
         )  # fmt: skip

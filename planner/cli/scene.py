@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.cli.arguments import COMMON, add, add_scenes, switch, value
+from topple.planner.cli.arguments import COMMON, add
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import scene_paths
+from topple.planner.cli.options import Reading, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions
 from topple.topology.base.files import check_writable
@@ -23,11 +23,9 @@ SPACING, TABLE_SPACING = 0.002, 0.008
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     views = "RGB-D .npz: depth, K, pose_camera_to_world as far as it is known, a mask where there is one"
-    add_scenes(parser, "VIEW...", views, formats=())
-    parser.add_argument("-o", "--output", **value("FILE", "what to write (scene.npz)", default="scene.npz"))
-    same = "a label means the same object in the masks of all views"
-    parser.add_argument("--same-labels", **switch(same))
-    add(parser, *COMMON)
+    parser.add_argument("scenes", nargs="*", metavar="VIEW...", help=views)
+    add(parser, "-o/--output", more=" (scene.npz)", default="scene.npz")
+    add(parser, "--same-labels", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -37,12 +35,11 @@ def execute(args: argparse.Namespace) -> int:
 
     paths = scene_paths(args)
     place = check_writable(args.output)
-    most = None if args.max_mb is None else int(1e6 * args.max_mb)
     with Progress("scene") as progress:
         images = []
         for path in paths:
             progress(f"reading {path}")
-            images.append(read_view(path, most_bytes=most))
+            images.append(read_view(path, max_bytes=Reading.of(args).max_bytes))
         progress(f"merging {len(images)} views")
         merged = merge_views(images, paths, up=args.up, same_labels=args.same_labels)
         _write(place, merged.scene)
@@ -78,15 +75,10 @@ def _print(document: dict[str, Any]) -> None:
     rows: list[tuple[str, ...]] = []
     for view in document["views"]:
         fit, ground = view["registration"], view["ground"]
-        found = ("", "", "", "", "")
+        found: tuple[str, ...] = ("", "", "", "", "")
         if fit is not None:
-            found = (
-                f"{100 * fit['shift']:.1f} cm",
-                f"{np.degrees(fit['turn']):.1f}°",
-                str(fit["common"]),
-                f"{1e3 * fit['residual']:.1f} mm",
-                f"{fit['conflict']:.1%}",
-            )
+            moved = f"{100 * fit['shift']:.1f} cm", f"{np.degrees(fit['turn']):.1f}°", str(fit["common"])
+            found = (*moved, f"{1e3 * fit['residual']:.1f} mm", f"{fit['conflict']:.1%}")
         rows.append((view["view"], *found, f"{ground['share']:.0%}", f"{1e3 * ground['residual']:.1f} mm"))
     headings = ("view", "moved", "turned", "common", "residual", "looked through", "ground", "its residual")
     print_table(headings, rows, right=range(1, 8))

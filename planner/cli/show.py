@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, add, add_scenes, value
+from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
@@ -25,8 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_scenes(parser)
     add(parser, "--target", "--rule", "--orderer", *COMMON)
-    words = "what to write: .html, .png, the order animated as .gif, the graph alone as .svg "
-    parser.add_argument("-o", "--output", **value("FILE", f"{words}(the scene's name with .html)"))
+    words = ": .html, .png, the order animated as .gif, the graph alone as .svg (the scene's name with .html)"
+    add(parser, "-o/--output", more=words)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -53,10 +53,8 @@ def execute(args: argparse.Namespace) -> int:
         print_json({**document, "ordered": order is not None, **models_in(scene)})
     else:
         print_text(f"{place}: {len(scene.names)} objects{'' if order else ', no order'}")
-        if order is None:
-            print_text(
-                "The scene does not say where up is: give it with --up 0 0 1, and the order is drawn too."
-            )
+        hint = "The scene does not say where up is: give it with --up 0 0 1, and the order is drawn too."
+        print_text(*[hint] * (order is None))
         print_assumptions(list(scene.assumptions) if scene.models else [])
     return DONE
 

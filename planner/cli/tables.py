@@ -101,15 +101,9 @@ def print_moves(title: str, document: Document) -> None:
         print_text(f"{title}: everything is in its place")
         return
     print_text(f"{title}: {len(moves)} moves, {buffers} of them to make room; {proven}")
-    rows = [
-        (
-            str(i),
-            move["object"],
-            "out of the way" if move["buffer"] else "to its place",
-            line.partition(": ")[2],
-        )
-        for i, (move, line) in enumerate(zip(moves, document["explanation"], strict=True), start=1)
-    ]
+    how = ("to its place", "out of the way")
+    told = enumerate(zip(moves, document["explanation"], strict=True), start=1)
+    rows = [(str(i), each["object"], how[each["buffer"]], why.partition(": ")[2]) for i, (each, why) in told]
     print_table(("", "move", "where", "because"), rows, right=(0,))
 
 

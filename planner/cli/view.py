@@ -3,7 +3,7 @@
 import argparse
 import sys
 
-from topple.planner.cli.arguments import COMMON, add, add_scenes, value
+from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_plan, read_scene, rule_of, scene_paths
@@ -14,10 +14,7 @@ from topple.planner.cli.tables import print_assumptions
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_scenes(parser)
-    add(parser, "--rule", "--orderer", *COMMON)
-    parser.add_argument("--plan", **value("FILE", "a plan of the scene, whose steps are shown (its order)"))
-    parser.add_argument("--host", default="127.0.0.1", help="who may connect (127.0.0.1; any: 0.0.0.0)")
-    parser.add_argument("--port", **value("N", "where to listen, or next to it (8080)", int, default=8080))
+    add(parser, "--rule", "--orderer", "--plan", "--host", "--port", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:

@@ -152,7 +152,7 @@ def _try_grasp(arm: Arm, tool: str, seed: int, say: Callable[[str], None]) -> Gr
         return Grasped(None, False, ("no place in front of the base is reached with the hand pointing down",))
     say("taking a block in simulation")
     try:
-        record = run(tried.scene(), [tried.name], arm, base=np.eye(4), seed=seed)
+        record = run(tried.scene(), [tried.name], arm, pose_base_to_world=np.eye(4), seed=seed)
     except ToppleError as error:
         return Grasped(tried, False, (str(error), *getattr(error, "certificate", ())))
     return Grasped(tried, record.success, tuple(record.violations))

@@ -36,8 +36,8 @@ def run(
     goal: str | Collection[str] | Task,
     robot: Arm | str = "panda",
     *,
-    base: FloatArray | None = None,
-    second_base: FloatArray | None = None,
+    pose_base_to_world: FloatArray | None = None,
+    pose_second_to_world: FloatArray | None = None,
     clamped: Collection[str] | str = (),
     away: str | Sequence[str | float] | Destination = Away.TABLE,
     relaxations: Collection[str] = RELAXATIONS,
@@ -62,8 +62,8 @@ def run(
         scene: What was seen, with `up` and a flat fixed object to stand on, or the path of it.
         goal: In words, names of objects to free, or any other task, in the frame of the scene.
         robot: The arm, or its name.
-        base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
-        second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
+        pose_base_to_world: (4, 4) where the arm stands; the scene's `robot_base`, or else searched for.
+        pose_second_to_world: (4, 4) of a second such arm, which holds what would not stand; None for one.
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand holds them.
         away: Where things go that are taken, as for `topple.planner.plan`.
         relaxations: What may be tried where the plain way fails, likewise.
@@ -102,10 +102,10 @@ def run(
     scene = check_masks(scene, task.goal(scene).names)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
     fixture = check_clamped(scene, clamped)
-    with playing_on(engine), Rehearsal.of(scene, arm, base, fixture) as stage:
+    with playing_on(engine), Rehearsal.of(scene, arm, pose_base_to_world, fixture) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
-        to_world = stage.pose_scene_to_world
-        there = None if second_base is None else to_world @ as_pose(second_base, "second_base")
+        to_world, second = stage.pose_scene_to_world, pose_second_to_world
+        there = None if second is None else to_world @ as_pose(second, "pose_second_to_world")
         receiver = Destination.of(away).at(Situation(scene), inverse(to_world) @ stage.pose_base_to_world)
         eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
         loop = ClosedLoop.simulated(

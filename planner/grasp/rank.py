@@ -23,6 +23,7 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import as_pose
 from topple.topology.base.errors import InvalidInput, UnknownObject
+from topple.topology.base.public_names import old_attribute
 from topple.topology.base.values import ByValue
 from topple.topology.base.workers import all_of
 from topple.topology.io.load import AnyScene, as_scene
@@ -47,13 +48,19 @@ class RankedGrasp(ByValue):
         index: Which of the given grasps.
         grasp: The grasp, with the object it holds; "" where it holds none.
         before: Objects that have to go first; none where it may be taken now.
-        dropped: Why it cannot be used now, in words; None where it can.
+        why: Why it cannot be used now, in words; None where it can.
     """
 
     index: int
     grasp: Grasp
     before: tuple[str, ...]
-    dropped: str | None
+    why: str | None
+    dropped = old_attribute("dropped")
+
+    @property
+    def feasible(self) -> bool:
+        """Whether it can be used now."""
+        return self.why is None
 
 
 @checked_arguments
@@ -141,7 +148,7 @@ def rank_grasps(
             waits = [f"{', '.join(first)} would move: has to go before {name}"] if first else []
             asked, speaks = against[row].grasp, (*against[row].refused, *waits)
             grasp = replace(entry.grasp, width=asked.width, unseen=asked.unseen)
-            found[row] = replace(entry, grasp=grasp, before=first, dropped="; ".join(speaks) or None)
+            found[row] = replace(entry, grasp=grasp, before=first, why="; ".join(speaks) or None)
     base = scene.robot_base if pose_base_to_world is None else pose_base_to_world
     if reach is None and arm is not None and base is not None:
         reach = partial(reachable, arm=arm, pose_base_to_world=as_pose(base, "pose_base_to_world"))
@@ -222,7 +229,7 @@ def _rank_pair(
 
 def _key(ranked: RankedGrasp) -> tuple[float, bool, bool, float, int]:
     held = len(ranked.before) if ranked.grasp.object else np.inf
-    return (held, ranked.dropped is not None, ranked.grasp.unseen, -ranked.grasp.score, ranked.index)
+    return (held, not ranked.feasible, ranked.grasp.unseen, -ranked.grasp.score, ranked.index)
 
 
 def _as_grasps(
@@ -313,7 +320,7 @@ def _within_tools(given: Sequence[Grasp], room: Room) -> dict[int, list[int]]:
 
 def _reachable(found: list[RankedGrasp], reach: Reach) -> list[RankedGrasp]:
     """Ask about what is left whether the arm gets there."""
-    left = [ranked for ranked in found if ranked.dropped is None]
+    left = [ranked for ranked in found if ranked.feasible]
     said = list(reach([ranked.grasp for ranked in left])) if left else []
     if len(said) != len(left):
         raise InvalidInput(f"reach gave {len(said)} answers for {len(left)} grasps: expected one for each")
@@ -324,4 +331,4 @@ def _reachable(found: list[RankedGrasp], reach: Reach) -> list[RankedGrasp]:
             raise InvalidInput(f"reach gave {told!r} for a grasp: expected True, False, or why not in words")
         if isinstance(told, str) or not told:
             why[ranked.index] = (told if isinstance(told, str) else "") or "out of reach"
-    return [replace(ranked, dropped=why.get(ranked.index, ranked.dropped)) for ranked in found]
+    return [replace(ranked, why=why.get(ranked.index, ranked.why)) for ranked in found]

@@ -42,14 +42,14 @@ class Root:
         fixed: Names that never move, in scenes that name none.
         up: Direction against gravity, for scenes that give none.
         seed: Of every search.
-        most_bytes: What a file, or the clouds of a request, may unpack to; as much as is usual where None.
+        max_bytes: What a file, or the clouds of a request, may unpack to; as much as is usual where None.
     """
 
     folder: Path
     fixed: tuple[str, ...] = ()
     up: Point | None = None
     seed: int = 0
-    most_bytes: int | None = None
+    max_bytes: int | None = None
 
     @staticmethod
     def at(folder: str | Path, **more: Any) -> "Root":
@@ -65,7 +65,7 @@ class Root:
 
     @contextmanager
     def _confine_reading(self) -> Generator[None, None, None]:
-        with confine(self.folder), allow(self.most_bytes, self.folder):
+        with confine(self.folder), allow(self.max_bytes, self.folder):
             yield
 
     def place(self, path: str) -> Path:

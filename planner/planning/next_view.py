@@ -87,7 +87,7 @@ def next_view(
     scene: AnyScene | Situation,
     targets: Collection[str] | str | None = None,
     *,
-    eyes: FloatArray | None = None,
+    viewpoints: FloatArray | None = None,
     found: Order | None = None,
 ) -> View | None:
     """The view that shows most of what is hidden and matters; see `next_views`.
@@ -95,20 +95,20 @@ def next_view(
     Args:
         scene: A scene that knows where up is and from where it was seen, or the situation it was read as.
         targets: Names to free; none clears everything.
-        eyes: (k, 3) places to choose from, in the scene's frame [m]; places all around above where None.
+        viewpoints: (k, 3) places to choose from, in the scene's frame [m]; all around above where None.
         found: The order of the scene, where it is known.
 
     Returns:
         The best view; None where nothing that matters is hidden, or no place shows any of it.
 
     Raises:
-        InvalidInput: As `order`, or the eyes are no points.
+        InvalidInput: As `order`, or the viewpoints are no points.
 
     Examples:
         >>> next_view(scene, "book") is None  # no camera is known
         True
     """
-    views = next_views(scene, targets, eyes=eyes, found=found)
+    views = next_views(scene, targets, viewpoints=viewpoints, found=found)
     return views[0] if views else None
 
 
@@ -136,7 +136,7 @@ def next_views(
     scene: AnyScene | Situation,
     targets: Collection[str] | str | None = None,
     *,
-    eyes: FloatArray | None = None,
+    viewpoints: FloatArray | None = None,
     found: Order | None = None,
 ) -> tuple[View, ...]:
     """Views by what they show of the places on which the order hangs and that no camera saw, best first.
@@ -148,14 +148,14 @@ def next_views(
     Args:
         scene: As for `next_view`.
         targets: As for `next_view`.
-        eyes: As for `next_view`.
+        viewpoints: As for `next_view`.
         found: As for `next_view`.
 
     Returns:
         The views that are worth anything.
 
     Raises:
-        InvalidInput: As `order`, or the eyes are no points.
+        InvalidInput: As `order`, or the viewpoints are no points.
     """
     situation = Situation.of(scene)
     if not len(situation.scene.viewpoints):
@@ -169,10 +169,10 @@ def next_views(
     places = np.concatenate([one.places for one in asked])
     lower, upper = bounds(places)
     middle = (lower + upper) / 2.0
-    if eyes is None:
+    if viewpoints is None:
         tried = _around(middle, float(np.linalg.norm(upper - lower)) / 2.0)
     else:
-        tried = as_points(eyes, "eyes") @ rotation.T
+        tried = as_points(viewpoints, "viewpoints") @ rotation.T
     views: list[View] = []
     total, ends = sum(one.weight for one in asked), np.cumsum([len(one.places) for one in asked])[:-1]
     for eye in tried:

@@ -47,7 +47,7 @@ def plan(
     goal: str | Collection[str] | Task,
     robot: Arm | str,
     *,
-    base: FloatArray | None = None,
+    pose_base_to_world: FloatArray | None = None,
     q_start: FloatArray | None = None,
     upright: Collection[str] = (),
     clamped: Collection[str] | str = (),
@@ -57,7 +57,7 @@ def plan(
     away: str | Sequence[str | float] | Destination = Away.TABLE,
     allow_drop: bool = False,
     relaxations: Collection[str] = RELAXATIONS,
-    check: bool = False,
+    verify: bool = False,
     budget: float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -73,7 +73,7 @@ def plan(
         goal: In words ("free plate", "lemon within bowl", "red on green on blue", "empty bowl", "sort"),
             names of objects to free, or any other task.
         robot: The arm, or its name.
-        base: (4, 4) pose_base_to_world; the scene's `robot_base`, or else searched for.
+        pose_base_to_world: (4, 4) where the arm stands; the scene's `robot_base`, or else searched for.
         q_start: (n,) joint values to start from [rad]; the arm's home where not given.
         upright: Objects that are kept upright while they are carried, with what is in them.
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand holds them.
@@ -87,7 +87,7 @@ def plan(
             ("zone", ...), ("hand-over", ...) with numbers, as `topple.planner.placement.away` has them.
         allow_drop: Whether an object may be released where no stable place is in reach; its step says so.
         relaxations: Names in `topple.planner.fallbacks` of what may be tried where the plain way fails.
-        check: Whether `Plan.verify` is asked before the plan is returned, which doubles the time. From a
+        verify: Whether `Plan.verify` is asked before the plan is returned, which doubles the time. From a
             step that it refutes on is planned anew, with another grasp or place, three times at most. An
             order or relations of your own are not held against the dependencies that topple finds.
         budget: Wall-clock seconds for the whole call: what takes longer fails.
@@ -112,7 +112,7 @@ def plan(
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
     task, scene = GoalTask.of(goal), as_scene(scene)
-    scene = scene if base is None else scene.with_base(base)
+    scene = scene if pose_base_to_world is None else scene.with_base(pose_base_to_world)
     wanted = task.goal(scene)
     scene = check_masks(scene, wanted.names)
     asked = None if relations is None or isinstance(relations, Relations) else relations
@@ -130,15 +130,15 @@ def plan(
     )  # fmt: skip
     planning = PlanBuilder(situation.with_level_undersides(), wanted, context, progress)
     planning.send_away(Destination.of(away))
-    missing = [UNPROVEN] * (not INSTALLED) + [UNCHECKED] * (check and BULLET not in INSTALLED)
+    missing = [UNPROVEN] * (not INSTALLED) + [UNCHECKED] * (verify and BULLET not in INSTALLED)
     assumed = (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *missing)
 
     def attempt() -> Plan:
         planning.run(task, asked)
         return planning.plan(given is None, assumed)
 
-    theirs = () if orderer is ordered and relations is None else SEEN_ORDER.names
-    return _check(attempt, planning, scene, theirs) if check and BULLET in INSTALLED else _in_order(attempt())
+    own = () if orderer is ordered and relations is None else SEEN_ORDER.names
+    return _check(attempt, planning, scene, own) if verify and BULLET in INSTALLED else _in_order(attempt())
 
 
 @checked_arguments

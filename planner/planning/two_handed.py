@@ -31,8 +31,8 @@ def plan_two_handed(
     goal: str | Collection[str] | Task,
     robot: Arm | str,
     *,
-    base: FloatArray,
-    second_base: FloatArray,
+    pose_base_to_world: FloatArray,
+    pose_second_to_world: FloatArray,
     allow_drop: bool = False,
     relaxations: Collection[str] = RELAXATIONS,
     seed: int = 0,
@@ -48,8 +48,8 @@ def plan_two_handed(
         scene: What is seen, with `up`, or the path of it.
         goal: In words, names of objects to free, or any other task.
         robot: The arm, or its name.
-        base: (4, 4) pose_base_to_world of the first.
-        second_base: (4, 4) likewise of the second.
+        pose_base_to_world: (4, 4) where the first stands.
+        pose_second_to_world: (4, 4) likewise of the second.
         allow_drop: As for `topple.planner.plan`.
         relaxations: Likewise.
         seed: Of every search.
@@ -66,7 +66,8 @@ def plan_two_handed(
     Examples:
         >>> opposite = np.diag([-1.0, -1, 1, 1])
         >>> opposite[0, 3] = 1.0
-        >>> steps = plan_two_handed(scene, "free cup", "panda", base=np.eye(4), second_base=opposite)
+        >>> places = {"pose_base_to_world": np.eye(4), "pose_second_to_world": opposite}
+        >>> steps = plan_two_handed(scene, "free cup", "panda", **places)
         >>> [(step.transfer.object, step.by_second) for step in steps]
         [('cup', False)]
     """
@@ -77,8 +78,8 @@ def plan_two_handed(
     wanted = task.goal(scene)
     check_up(scene)
     situation = Situation(scene).with_level_undersides()
-    poses = as_pose(base, "base"), as_pose(second_base, "second_base")
-    first, second = (Station(arm, pose, np.asarray(arm.home)) for pose in poses)
+    given = {"pose_base_to_world": pose_base_to_world, "pose_second_to_world": pose_second_to_world}
+    first, second = (Station(arm, as_pose(pose, name), np.asarray(arm.home)) for name, pose in given.items())
     for station in (first, second):
         check_start(situation, arm, station.pose_base_to_world, station.q)
     steps: list[NextStep] = []

@@ -121,7 +121,7 @@ class Camera:
         *,
         width: int = 640,
         height: int = 480,
-        view: float = np.radians(60),
+        fov: float = np.radians(60),
         noise: Noise | None = None,
     ) -> "Camera":
         """A camera at a place, turned towards another.
@@ -132,7 +132,7 @@ class Camera:
             up: Direction that points up in the picture; another is taken if it is the viewing direction.
             width: In pixels.
             height: In pixels.
-            view: Horizontal field of view in [rad]; 60 degrees as a Kinect or a D415 has.
+            fov: Horizontal field of view in [rad]; 60 degrees as a Kinect or a D415 has.
             noise: Its faults; None: those of a Kinect.
 
         Returns:
@@ -144,7 +144,7 @@ class Camera:
         if np.linalg.norm(np.subtract(target, eye)) < 1e-6:
             raise InvalidInput(f"a camera at {eye} cannot look at {target}: give two places")
         pose = looking_at(eye, target, up)
-        focal = width / 2 / np.tan(view / 2)
+        focal = width / 2 / np.tan(fov / 2)
         K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1.0]])
         return cls(width, height, K, pose, noise or Noise())
 

@@ -131,7 +131,7 @@ def _shadow(
     eye = middle + AWAY * direction / np.linalg.norm(direction)
     lamp = Camera.looking_at(
         (float(eye[0]), float(eye[1]), float(eye[2])), (float(middle[0]), float(middle[1]), float(middle[2])),
-        width=MAP, height=MAP, view=2 * float(np.arctan(reach / AWAY)), noise=Noise.none(),
+        width=MAP, height=MAP, fov=2 * float(np.arctan(reach / AWAY)), noise=Noise.none(),
     )  # fmt: skip
     depth = world.rendered(lamp)[0]
     # around the map is nothing that hides anything

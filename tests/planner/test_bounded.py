@@ -70,7 +70,7 @@ def test_more_objects_than_a_stated_number_are_refused_at_once(apart):
     tracemalloc.start()
     try:
         for work in (lambda: relate(scene), lambda: order(scene)):
-            with pytest.raises(InvalidInput, match=r"3000 objects, and 500 are allowed.*most_objects=N"):
+            with pytest.raises(InvalidInput, match=r"3000 objects, and 500 are allowed.*max_objects=N"):
                 work()
         assert tracemalloc.get_traced_memory()[1] < 50e6
     finally:
@@ -87,7 +87,7 @@ def test_the_number_is_an_option():
     small = box(0.05, (0.0, 0.0, 0.0), 40)
     scene = Scene({f"o{k}": small + np.array([0.2 * k, 0.0, 0.0]) for k in range(4)}, up=UP)
     with pytest.raises(InvalidInput, match="4 objects, and 3 are allowed"):
-        relate(scene, most_objects=3)
-    assert len(relate(scene, most_objects=4)) == 6
+        relate(scene, max_objects=3)
+    assert len(relate(scene, max_objects=4)) == 6
     far = {f"o{k}": small + np.array([0.2 * (k % 60), 0.2 * (k // 60), 0.0]) for k in range(MOST_OBJECTS + 1)}
-    assert len(relate(Scene(far, up=UP), most_objects=MOST_OBJECTS + 1)) == 125_250
+    assert len(relate(Scene(far, up=UP), max_objects=MOST_OBJECTS + 1)) == 125_250

@@ -27,7 +27,7 @@ def hemmed_in() -> Scene:
 
 @pytest.mark.slow
 def test_what_bars_the_hand_is_taken_away_first_and_the_reason_says_so():
-    found = plan(hemmed_in(), "free block", ARM, base=BASE)
+    found = plan(hemmed_in(), "free block", ARM, pose_base_to_world=BASE)
     assert found.order[-1] == "block"
     assert set(found.order[:-1]) & {"left", "right"}
     assert found.steps[0].action == "remove"
@@ -79,7 +79,7 @@ def test_no_plan_carries_the_failures_as_objects():
     far = BASE.copy()
     far[0, 3] = -3.0
     with pytest.raises(NoSafePlan) as caught:
-        plan(hemmed_in(), "free left", ARM, base=far)
+        plan(hemmed_in(), "free left", ARM, pose_base_to_world=far)
     assert {failure.object for failure in caught.value.failures} == {"left"}
 
 
@@ -87,7 +87,7 @@ def test_a_start_in_collision_says_with_what():
     scene = hemmed_in()
     wall = box("wall", (0.3, 0.3, 0.6)).surface(3000, np.random.default_rng(0)) + np.array([-0.2, 0.0, 0.0])
     with pytest.raises(InvalidInput, match=r"start is in collision: .* deep in wall"):
-        plan(scene.with_cloud("wall", wall), "free block", ARM, base=BASE)
+        plan(scene.with_cloud("wall", wall), "free block", ARM, pose_base_to_world=BASE)
 
 
 @pytest.mark.parametrize(
@@ -96,12 +96,12 @@ def test_a_start_in_collision_says_with_what():
 )
 def test_a_start_that_is_no_state_is_refused(q, words):
     with pytest.raises(InvalidInput, match=words):
-        plan(hemmed_in(), "free left", ARM, base=BASE, q_start=q)
+        plan(hemmed_in(), "free left", ARM, pose_base_to_world=BASE, q_start=q)
 
 
 def test_a_can_alone_needs_nothing_first():
     scene = hemmed_in().without("left").without("right").without("block")
     scene = scene.with_cloud("can", can().surface(2000, np.random.default_rng(0)))
-    found = plan(scene, "free can", ARM, base=BASE)
+    found = plan(scene, "free can", ARM, pose_base_to_world=BASE)
     assert [step.reason for step in found.steps] == ["nothing has to go before it"]
     assert found.certified

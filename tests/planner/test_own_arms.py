@@ -47,7 +47,7 @@ def options(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path 
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
 def test_a_plan_holds_and_finds_its_arm_again(scene, options):
     base = at(-0.45, 0.0, 0.0)
-    found = plan(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
+    found = plan(scene, ["cube"], robot(options[0], gripper=options[1]), pose_base_to_world=base)
     again = plan_from_json(plan_to_json(found))
     assert again == found
     assert again.arm is not None and not again.arm.catalog
@@ -61,7 +61,7 @@ def test_a_plan_holds_and_finds_its_arm_again(scene, options):
 @pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
 def test_a_run_in_pybullet_succeeds(scene, options):
     base = at(-0.45, 0.0, 0.0)
-    record = run(scene, ["cube"], robot(options[0], gripper=options[1]), base=base)
+    record = run(scene, ["cube"], robot(options[0], gripper=options[1]), pose_base_to_world=base)
     assert record.success, record.violations
 
 

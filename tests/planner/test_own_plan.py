@@ -47,7 +47,7 @@ def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever
     # many that stand in the block, one beside it, and one that nobody's search would find: turned by 0.1 rad
     poses = [*(down(0.0, 0.0, 0.06) for _ in range(40)), down(0.2, -0.2, 0.1), down(0.004, 0.0, 0.086, 0.1)]
     ranked = rank_grasps(scene, grasps_from_array(np.array(poses)), "panda", pose_base_to_world=BASE)
-    found = plan(scene, ["lower"], "panda", base=BASE, grasps=ranked)
+    found = plan(scene, ["lower"], "panda", pose_base_to_world=BASE, grasps=ranked)
     first, second = found.steps
     assert (first.object, second.object) == ("upper", "lower")
     assert np.allclose(first.grasp.pose_tool_to_world, poses[-1], atol=1e-5) or np.allclose(
@@ -63,8 +63,8 @@ def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan():
     sunk = replace(high, pose_tool_to_world=down(0.0, 0.2, -0.02))
     for given in ({"aside": [sunk]}, {"aside": []}):
         with pytest.raises(NoSafePlan, match="aside"):
-            plan(scene, ["aside"], "panda", base=BASE, grasps=given)
-    assert plan(scene, ["aside"], "panda", base=BASE).steps
+            plan(scene, ["aside"], "panda", pose_base_to_world=BASE, grasps=given)
+    assert plan(scene, ["aside"], "panda", pose_base_to_world=BASE).steps
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan():
 def test_grasps_that_do_not_fit_are_refused(given, error, words):
     for act in (plan, run):
         with pytest.raises(error, match=words):
-            act(stacked(), ["aside"], "panda", base=BASE, grasps=given)
+            act(stacked(), ["aside"], "panda", pose_base_to_world=BASE, grasps=given)
 
 
 def aside_first(scene: Scene, targets: Sequence[str], **_: object) -> Order:
@@ -95,7 +95,7 @@ def aside_first(scene: Scene, targets: Sequence[str], **_: object) -> Order:
 
 @pytest.mark.slow
 def test_an_orderer_of_the_callers_own_is_asked_for_the_order():
-    plain = plan(stacked(), ["lower"], "panda", base=BASE)
+    plain = plan(stacked(), ["lower"], "panda", pose_base_to_world=BASE)
     assert [step.object for step in plain.steps] == ["upper", "lower"]
     asked: list[tuple[str, ...]] = []
 
@@ -105,7 +105,7 @@ def test_an_orderer_of_the_callers_own_is_asked_for_the_order():
             return aside_first(scene.scene, targets)
         return order(scene, targets)
 
-    found = plan(stacked(), ["lower"], "panda", base=BASE, orderer=orderer)
+    found = plan(stacked(), ["lower"], "panda", pose_base_to_world=BASE, orderer=orderer)
     assert [step.object for step in found.steps] == ["aside", "upper", "lower"]
     assert asked[0] == ("lower",)
 
@@ -115,7 +115,7 @@ def test_an_orderer_that_gives_no_order_is_refused():
         return ["upper", "lower"]
 
     with pytest.raises(InvalidInput, match="the orderer gave list, expected an Order"):
-        plan(stacked(), ["lower"], "panda", base=BASE, orderer=names)
+        plan(stacked(), ["lower"], "panda", pose_base_to_world=BASE, orderer=names)
 
 
 @pytest.mark.slow
@@ -127,7 +127,7 @@ def test_relations_of_the_callers_own_are_what_the_order_is_asked_with():
         seen.append(given.relations)
         return order(given, targets)
 
-    plan(scene, ["lower"], "panda", base=BASE, orderer=orderer, relations=mine)
+    plan(scene, ["lower"], "panda", pose_base_to_world=BASE, orderer=orderer, relations=mine)
     assert seen[0] is mine
     assert seen[-1] is not mine
     asked: list[Scene] = []
@@ -136,10 +136,10 @@ def test_relations_of_the_callers_own_are_what_the_order_is_asked_with():
         asked.append(given)
         return relate(given)
 
-    found = plan(scene, ["lower"], "panda", base=BASE, relations=related)
+    found = plan(scene, ["lower"], "panda", pose_base_to_world=BASE, relations=related)
     assert len(asked) == len(found.steps) + 1
     with pytest.raises(InvalidInput, match="the relations are of"):
-        plan(scene, ["lower"], "panda", base=BASE, relations=relate(scene.without("aside")))
+        plan(scene, ["lower"], "panda", pose_base_to_world=BASE, relations=relate(scene.without("aside")))
 
 
 @pytest.mark.slow
@@ -152,7 +152,7 @@ def test_a_run_takes_the_callers_grasps_and_order():
 
     pose = down(0.012, 0.2, 0.036, 0.1)  # off its middle, where no search of our own begins
     record = run(
-        scene, ["aside"], "panda", base=BASE, orderer=orderer,
+        scene, ["aside"], "panda", pose_base_to_world=BASE, orderer=orderer,
         grasps=[Grasp("aside", "pinch", pose, 0.0, 0.0, 1.0)],
     )  # fmt: skip
     assert record.success, record.violations

@@ -137,7 +137,7 @@ def test_a_thick_table_is_acted_on(tmp_path):
 
 def certificate(scene: Scene, base: np.ndarray | None = None) -> str:
     with pytest.raises(NoSafePlan) as caught:
-        plan(scene, ["low"], robot("panda"), base=base)
+        plan(scene, ["low"], robot("panda"), pose_base_to_world=base)
     return " ".join(caught.value.certificate)
 
 

@@ -48,7 +48,7 @@ SCENE = stack()
 
 
 def _plan() -> Any:
-    return plan(SCENE, ["lower"], "panda", base=BASE)
+    return plan(SCENE, ["lower"], "panda", pose_base_to_world=BASE)
 
 
 def _record() -> RunRecord:

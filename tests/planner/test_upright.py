@@ -76,7 +76,7 @@ def test_what_lies_in_a_marked_container_goes_with_it():
     cup = mug().surface(3000, rng) + np.array([0.05, 0.1, 0.0])
     fruit = plum(diameter=0.04).surface(1000, rng) + np.array([0.05, 0.1, 0.01])
     scene = kitchen(mug=cup, plum=fruit)
-    found = plan(scene, "free mug", ARM, base=BASE, upright=["mug"])
+    found = plan(scene, "free mug", ARM, pose_base_to_world=BASE, upright=["mug"])
     assert [step.object for step in found.steps] == ["mug"]
     step = found.steps[0]
     assert step.upright
@@ -90,4 +90,4 @@ def test_what_lies_in_a_marked_container_goes_with_it():
 
 def test_marks_of_what_is_not_there_are_refused():
     with pytest.raises(UnknownObject, match="teapot"):
-        plan(kitchen(), "free can", ARM, base=BASE, upright=["teapot"])
+        plan(kitchen(), "free can", ARM, pose_base_to_world=BASE, upright=["teapot"])

@@ -190,7 +190,7 @@ def test_an_arm_a_scene_an_orderer_and_an_exporter_of_another_package_plan_toget
         seen = Scene.from_images(images, fixed=stage.fixed, up=stage.up)
         base = stage.pose_base_to_world
     arm = robot("kitchen-arm")
-    found: Plan = plan(seen, stage.goal, arm, base=base, orderer=ORDERERS["highest"])
+    found: Plan = plan(seen, stage.goal, arm, pose_base_to_world=base, orderer=ORDERERS["highest"])
     assert export(found, "list") == "1. remove high\n2. free low\n"
     assert plan_from_json(plan_to_json(found)) == found  # whose arm is found again by its name
 
@@ -208,16 +208,16 @@ def _tin() -> Scene:
 def test_a_gripper_of_another_package_plans_verifies_and_runs():
     scene, arm, base = _tin(), robot("magnet-iiwa"), np.eye(4)
     base[0, 3] = -0.55
-    found = plan(scene, ["steel_can"], arm, base=base)
+    found = plan(scene, ["steel_can"], arm, pose_base_to_world=base)
     (step,) = found.steps
     assert (step.grasp.kind, {part.tool for part in step.segments}) == ("magnet", {"magnet"})
     assert found.verify(scene).ok
     assert plan_from_json(plan_to_json(found)) == found
     told = rank_grasps(scene, np.array([step.grasp.pose_tool_to_world]), arm)
-    assert [(entry.grasp.object, entry.dropped) for entry in told] == [("steel_can", None)]
-    assert run(scene, ["steel_can"], arm, base=base).success
+    assert [(entry.grasp.object, entry.why) for entry in told] == [("steel_can", None)]
+    assert run(scene, ["steel_can"], arm, pose_base_to_world=base).success
     with pytest.raises(NoSafePlan, match="no steel, which the magnet wants"):
-        plan(scene, ["wood"], arm, base=base)
+        plan(scene, ["wood"], arm, pose_base_to_world=base)
 
 
 @pytest.mark.usefixtures("kitchen")
@@ -274,7 +274,7 @@ def test_every_command_that_relates_and_orders_takes_both(command, tmp_path, mon
 def test_a_plan_is_written_in_the_format_of_another_package(tmp_path, capsys, typed):
     with scenario("cups", 3) as stage:
         seen = Scene.from_images([eye.look(stage.world) for eye in stage.cameras], fixed=stage.fixed)
-        found = plan(seen.with_up([0, 0, 1]), stage.goal, "panda", base=stage.pose_base_to_world)
+        found = plan(seen.with_up([0, 0, 1]).with_base(stage.pose_base_to_world), stage.goal, "panda")
     (tmp_path / "plan.json").write_bytes(plan_to_json(found))
     assert main(["export", str(tmp_path / "plan.json"), "--to", "list", "-o", str(tmp_path / "list")]) == 0
     assert (tmp_path / "list").read_text().endswith(". free low\n")

@@ -51,7 +51,7 @@ def as_seen(placed: Placed) -> list[Scene]:
         for body, place in placed:
             world.add(body, place, fixed=True)
         rng = np.random.default_rng(0)
-        cameras = [Camera.looking_at(eye, (0.0, 0.0, 0.03), width=320, height=240, view=VIEW) for eye in EYES]
+        cameras = [Camera.looking_at(eye, (0.0, 0.0, 0.03), width=320, height=240, fov=VIEW) for eye in EYES]
         images = [camera.look(world, rng) for camera in cameras]
     return [Scene.from_images(some, fixed=["table"], up=UP) for some in (images, images[:1])]
 

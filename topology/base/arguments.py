@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import numeric
 from topple.topology.base.errors import InvalidInput
+from topple.topology.base.public_names import with_new_names
 from topple.topology.base.values import FrozenDict
 
 _Target = TypeVar("_Target", bound=Callable[..., Any])
@@ -54,6 +55,8 @@ def checked_arguments(target: _Target) -> _Target:
             names = _Names(inspect.unwrap(function).__globals__)
             hints.update({each.name: _hint(each.annotation, names) for each in parameters})  # in one go
         taken = [_take(name, value, hints[name]) for name, value in zip(ordered, args, strict=False)]
+        if not hints.keys() >= keywords.keys():
+            keywords = with_new_names(keywords, hints)
         more = {name: _take(name, value, hints.get(name, Any)) for name, value in keywords.items()}
         return function(*taken, *args[len(ordered) :], **more)
 

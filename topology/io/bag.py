@@ -50,7 +50,7 @@ def read(
     path: Path,
     depth: str | None = None,
     info: str | None = None,
-    labels: str | None = None,
+    masks: str | None = None,
     image: int | None = None,
 ) -> Parts:
     """Read one frame.
@@ -59,7 +59,7 @@ def read(
         path: The recording: a file, or the folder of ROS 2.
         depth: Topic of the depth images, or of clouds with a field `label`; the only one where None.
         info: Topic of the camera's intrinsics; the only one, or the one beside `depth`, where None.
-        labels: Topic of the masks: whole numbers, 0 = background; the only one where None.
+        masks: Topic of the masks: whole numbers, 0 = background; the only one where None.
         image: Number of the frame, from 0 on; the first where None.
 
     Returns:
@@ -72,7 +72,7 @@ def read(
     """
     with open_recording(path) as reader:
         bag = _Bag(reader)
-        stream = bag.stream(depth, info, labels)
+        stream = bag.stream(depth, info, masks)
         moments = bag.moments(stream.depth)
         number = 0 if image is None else image
         if not 0 <= number < len(moments):
@@ -86,7 +86,7 @@ def read(
 
 
 def frames(
-    path: Path, depth: str | None = None, info: str | None = None, labels: str | None = None
+    path: Path, depth: str | None = None, info: str | None = None, masks: str | None = None
 ) -> Iterator[Parts]:
     """Read all frames, one after the other.
 
@@ -94,7 +94,7 @@ def frames(
         path: The recording.
         depth: As for `read`.
         info: As for `read`.
-        labels: As for `read`.
+        masks: As for `read`.
 
     Yields:
         What each frame says.
@@ -105,7 +105,7 @@ def frames(
     """
     with open_recording(path) as reader:
         bag = _Bag(reader)
-        stream = bag.stream(depth, info, labels)
+        stream = bag.stream(depth, info, masks)
         for moment in bag.moments(stream.depth):
             yield bag.frame(stream, moment)
 
@@ -141,10 +141,10 @@ class _Bag:
             by_topic.setdefault(connection.topic, []).append(connection)
         self._topics = {name: _Topic(name, some[0].msgtype, tuple(some)) for name, some in by_topic.items()}
 
-    def stream(self, depth: str | None, info: str | None, labels: str | None) -> _Stream:
+    def stream(self, depth: str | None, info: str | None, masks: str | None) -> _Stream:
         """The topics that were named, and those that there is only one of."""
-        masks = [name for name in self._of(_IMAGES) if any(word in name for word in ("label", "mask", "seg"))]
-        depths = [name for name in self._of(_IMAGES) if "depth" in name and name not in masks]
+        found = [name for name in self._of(_IMAGES) if any(word in name for word in ("label", "mask", "seg"))]
+        depths = [name for name in self._of(_IMAGES) if "depth" in name and name not in found]
         depths = depths or self._of((_CLOUD,))
         seen = self._choose_topic("depth", depth, depths, (*_IMAGES, _CLOUD))
         if seen.kind == _CLOUD:
@@ -154,7 +154,7 @@ class _Bag:
         return _Stream(
             seen,
             self._choose_topic("info", info, beside if len(beside) == 1 else infos, (_INFO,)),
-            self._choose_topic("labels", labels, masks, _IMAGES),
+            self._choose_topic("masks", masks, found, _IMAGES),
         )
 
     def _of(self, kinds: Sequence[str]) -> list[str]:

@@ -168,5 +168,5 @@ def check_size(size: int, what: str) -> None:
     if not 0 <= size <= _most.get():
         raise InvalidInput(
             f"{what} would unpack to {size / 1e6:.0f} MB, and {_most.get() / 1e6:.0f} MB are allowed: thin "
-            "the clouds, or allow more with most_bytes=N"
+            "the clouds, or allow more with max_bytes=N"
         )

@@ -2,20 +2,20 @@
 
 import inspect
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Protocol
 
 from numpy.typing import ArrayLike
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import Names, as_direction, as_names
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.plugins import Table, check_kind
+from topple.topology.base.public_names import with_new_names
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.limits import allow
-from topple.topology.scene.scene import Scene
+from topple.topology.scene.scene import Bodies, Scene
 
 
 class Reader(Protocol):
@@ -58,10 +58,10 @@ def load_scene(
     *,
     fixed: Names = (),
     up: ArrayLike | None = None,
-    most_bytes: int | None = None,
+    max_bytes: int | None = None,
     allow_outside: bool = False,
     models: bool | str | os.PathLike[str] | None = None,
-    robot: Iterable[FloatArray] | Callable[[Scene], Iterable[FloatArray]] = (),
+    robot_bodies: Bodies | Callable[[Scene], Bodies] = (),
     **options: Any,
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
@@ -85,13 +85,13 @@ def load_scene(
         path: File or folder.
         fixed: Names of objects that never move, beside those the file names.
         up: Direction (3,) against gravity.
-        most_bytes: What the files may unpack to; half a gigabyte where None.
+        max_bytes: What the files may unpack to; half a gigabyte where None.
         allow_outside: Whether `files` of a scene.json may lie elsewhere than below its folder.
         models: A folder of known models, which take the place of what was seen of objects of their names
             where they fit (`topple.topology.with_models`); or whether the models of a BOP dataset are taken
             at their true poses although there is depth.
-        robot: Corners (V, 3) [m] of bodies whose points are nobody's, or what gives them for the scene: a
-            robot in its own picture, `arm.bodies(q, pose_base_to_world)`.
+        robot_bodies: Corners (V, 3) [m] of bodies whose points are nobody's, or what gives them for the
+            scene: a robot in its own picture, `arm.bodies(q, pose_base_to_world)`.
         **options: What its format alone has: `image=3` for a BOP dataset and a recording.
 
     Returns:
@@ -111,17 +111,17 @@ def load_scene(
     if isinstance(models, bool):
         options["models"] = models
     try:
-        with allow(most_bytes, None if allow_outside else place):
+        with allow(max_bytes, None if allow_outside else place):
             parts = _read(place, options)
             scene = assemble(
                 parts, as_names(fixed), given_up if up is None else up,
-                robot,
+                robot_bodies,
             )  # fmt: skip
             if models is None or isinstance(models, bool):
                 return scene
             from topple.topology.io.known_models import with_models  # which few ask for
 
-        with allow(most_bytes, None if allow_outside else Path(models)):
+        with allow(max_bytes, None if allow_outside else Path(models)):
             return with_models(scene, models)
     except InvalidInput as error:
         _name_the_file(error, os.fspath(path))
@@ -162,9 +162,9 @@ def _read(path: Path, options: dict[str, Any]) -> Parts:
         known = path.is_dir() or path.is_file()  # a pipe would be waited for
         if known and (found := READERS.first(lambda reader: reader.reads(path))) is not None:
             name, reader = found
-            _check_options(name, reader, options)
+            given = _check_options(name, reader, options)
             with READERS.blame(name):
-                return check_kind(reader.read(path, **options), Parts)
+                return check_kind(reader.read(path, **given), Parts)
     except OSError as error:
         raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
     raise InvalidInput(
@@ -172,12 +172,14 @@ def _read(path: Path, options: dict[str, Any]) -> Parts:
     )
 
 
-def _check_options(name: str, reader: Reader, options: dict[str, Any]) -> None:
-    """Refuse options that a format does not have."""
+def _check_options(name: str, reader: Reader, options: dict[str, Any]) -> dict[str, Any]:
+    """Options by the names that they have now; refuse those that a format does not have."""
     known = inspect.signature(reader.read).parameters
+    options = with_new_names(options, known)
     stray = [key for key in options if key not in known]
     if stray and not any(each.kind is each.VAR_KEYWORD for each in known.values()):
         raise InvalidInput(f"is of the format {name!r}, which has no option {', '.join(stray)}: leave it out")
+    return options
 
 
 def _name_the_file(error: InvalidInput, path: str) -> None:

@@ -12,6 +12,7 @@ from topple.topology.base.arguments import checked_arguments
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.checks import Names, as_names
 from topple.topology.base.errors import InvalidInput
+from topple.topology.base.public_names import with_new_names
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.bag import frames, reads
@@ -40,7 +41,7 @@ def load_sequence(
         path: File or folder.
         fixed: Names of objects that never move, beside those the files name.
         up: Direction (3,) against gravity.
-        **options: Of a recording, the topics: `depth`, `info`, `labels`; of a folder those of `load_scene`.
+        **options: Of a recording, the topics: `depth`, `info`, `masks`; of a folder those of `load_scene`.
 
     Yields:
         A scene per frame. An object no point of which was seen in a frame is absent from it; clouds that do
@@ -58,6 +59,7 @@ def load_sequence(
     place, fixed = Path(path), as_names(fixed)
     if (place.is_dir() or place.is_file()) and reads(place):
         try:
+            options = with_new_names(options, ("masks",))
             yield from (assemble(parts, fixed, up) for parts in frames(place, **options))
         except InvalidInput as error:
             raise InvalidInput(f"{os.fspath(path)}: {error}") from error

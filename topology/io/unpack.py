@@ -132,7 +132,7 @@ def _up_to(kind: Callable[[], Any], size: int, data: bytes) -> bytes:
         if len(piece) > left:
             raise InvalidInput(
                 f"{_CHUNK} unpacks to more than {size} bytes, which it states or may: record it "
-                "anew, or allow more with most_bytes=N"
+                "anew, or allow more with max_bytes=N"
             )
         if not stream.eof:
             raise InvalidInput(f"{_CHUNK} ends before it is unpacked: record it anew")

@@ -12,13 +12,13 @@ from topple.topology.io.rgbd import image_from_rgbd
 from topple.topology.views.image import DepthImage
 
 
-def read_view(path: str | os.PathLike[str], most_bytes: int | None = None) -> DepthImage:
+def read_view(path: str | os.PathLike[str], max_bytes: int | None = None) -> DepthImage:
     """Read what one camera saw.
 
     Args:
         path: An `.npz` or `.npy` with `depth` (H, W) in [m], `K` (3, 3), `pose_camera_to_world` (4, 4) as far
             as it is known, and perhaps a mask as a scene has it.
-        most_bytes: What the file may unpack to; half a gigabyte where None.
+        max_bytes: What the file may unpack to; half a gigabyte where None.
 
     Returns:
         The view; its labels are 0 everywhere where there is no mask.
@@ -28,7 +28,7 @@ def read_view(path: str | os.PathLike[str], most_bytes: int | None = None) -> De
     """
     place = Path(path)
     try:
-        with allow(most_bytes, None):
+        with allow(max_bytes, None):
             arrays = read_arrays(place)
             if not any(key in arrays for key in (*MASK_KEYS, STACK_KEY)) and "depth" in arrays:
                 arrays["label"] = np.zeros(arrays["depth"].shape, dtype=np.uint8)

@@ -75,7 +75,7 @@ def relate(
     scene: AnyScene,
     deviation: float | None = None,
     plain: bool = False,
-    most_objects: int | None = None,
+    max_objects: int | None = None,
     rule: str | None = None,
 ) -> Relations:
     """Decide the spatial relation of every pair of objects of a scene.
@@ -87,7 +87,7 @@ def relate(
             that it is "usually equal to the deviation of point clouds".
         plain: Use the paper's rule to the letter of Table 1 instead of the one that withstands noise,
             hidden surfaces and hollow objects.
-        most_objects: How many objects the scene may have, `MOST_OBJECTS` where None, since the work grows
+        max_objects: How many objects the scene may have, `MOST_OBJECTS` where None, since the work grows
             with the square of it; of the pairs `NEAR_EACH` times as many may be near each other.
         rule: One of `RULES`: "robust", "plain", or what another package adds.
 
@@ -102,7 +102,7 @@ def relate(
         >>> print(relate(scene)["cup", "book"])
         cup touch book 0.0 mm
     """
-    scene, most = as_scene(scene), MOST_OBJECTS if most_objects is None else most_objects
+    scene, most = as_scene(scene), MOST_OBJECTS if max_objects is None else max_objects
     _check_count(len(scene.clouds), "objects", most)
     if deviation is not None:
         _check_deviation(scene, deviation)
@@ -120,7 +120,7 @@ def relate_all(
     deviation: float | None = None,
     plain: bool = False,
     executor: Executor | None = None,
-    most_objects: int | None = None,
+    max_objects: int | None = None,
     rule: str | None = None,
 ) -> list[Relations]:
     """Relate many scenes, on the workers of an executor where one is given.
@@ -131,7 +131,7 @@ def relate_all(
         plain: As for `relate`.
         executor: Any executor of `concurrent.futures`, or that of a dask client; a worker that is lost costs
             its scene a second try.
-        most_objects: As for `relate`.
+        max_objects: As for `relate`.
         rule: As for `relate`.
 
     Returns:
@@ -145,7 +145,7 @@ def relate_all(
         >>> [str(found["cup", "book"].relation) for found in relate_all([scene])]
         ['touch']
     """
-    each = partial(relate, deviation=deviation, plain=plain, most_objects=most_objects, rule=rule)
+    each = partial(relate, deviation=deviation, plain=plain, max_objects=max_objects, rule=rule)
     if executor is None:
         return [each(as_scene(one)) for one in scenes]
     given = list(scenes)
@@ -210,7 +210,7 @@ def _check_count(count: int, what: str, most: int) -> None:
     if count > most:
         raise InvalidInput(
             f"the scene has {count} {what}, and {most} are allowed: leave out what is far from the targets, "
-            "or relate it with most_objects=N"
+            "or relate it with max_objects=N"
         )
 
 

@@ -37,6 +37,9 @@ from topple.topology.views.agreement import check_views
 from topple.topology.views.image import DepthImage, check_depth, said_of_images
 from topple.topology.views.wrong_masks import WrongMask, wrong_masks
 
+Bodies = Iterable[FloatArray]
+"""Corners (V, 3) of each of some convex bodies [m]."""
+
 
 @checked_arguments
 @dataclass(frozen=True, eq=False, init=False)
@@ -185,7 +188,7 @@ class Scene(ByValue):
         up: ArrayLike | None = None,
         table: Literal["auto"] | None = None,
         unnamed: bool = True,
-        robot: Iterable[FloatArray] = (),
+        robot_bodies: Bodies = (),
     ) -> "Scene":
         """Merge what one or several depth cameras see into one scene.
 
@@ -197,8 +200,8 @@ class Scene(ByValue):
                 the objects among the pixels without a label, which becomes the fixed object "table".
             unnamed: Whether masks that are wrong in kind are said, and what no mask names becomes objects and
                 matter (`examined`).
-            robot: Corners (V, 3) [m] of bodies whose points are left out of that: a robot in its own picture,
-                `arm.bodies(q, pose_base_to_world)`.
+            robot_bodies: Corners (V, 3) [m] of bodies whose points are left out of that: a robot in its own
+                picture, `arm.bodies(q, pose_base_to_world)`.
 
         Returns:
             The scene in world coordinates. An object of which hardly a point was seen is left out,
@@ -225,7 +228,7 @@ class Scene(ByValue):
             background = np.concatenate([image.background() for image in images])
             fixed = table_among(clouds, background, viewpoints, notes)
         scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes).upright()
-        return scene.examined(robot=robot) if unnamed else scene
+        return scene.examined(robot_bodies=robot_bodies) if unnamed else scene
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -261,25 +264,27 @@ class Scene(ByValue):
         up, note = found
         return self._copy_with(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
-    def examined(self, background: FloatArray | None = None, robot: Iterable[FloatArray] = ()) -> "Scene":
+    @checked_arguments
+    def examined(self, background: FloatArray | None = None, robot_bodies: Bodies = ()) -> "Scene":
         """Refuse views that disagree, say which masks are wrong in kind, and add what no mask names."""
         check_views(self.images, self.fixed)
         wrong = wrong_masks(self.images, self.fixed)
         said = (*self.assumptions, *map(str, wrong))
-        return self._copy_with(wrong_masks=wrong, assumptions=said).with_unnamed(background, robot)
+        return self._copy_with(wrong_masks=wrong, assumptions=said).with_unnamed(background, robot_bodies)
 
     def with_masks_as_they_are(self) -> "Scene":
         """The scene with trusted masks: what is wrong with them stays said, and nothing is refused for it."""
         return self._copy_with(wrong_masks=tuple(replace(wrong, trusted=True) for wrong in self.wrong_masks))
 
+    @checked_arguments
     def with_unnamed(
-        self, background: FloatArray | None = None, robot: Iterable[FloatArray] = (), things: bool = True
+        self, background: FloatArray | None = None, robot_bodies: Bodies = (), things: bool = True
     ) -> "Scene":
         """Add what was seen and no mask names.
 
         Args:
             background: Points (N, 3) [m] that belong to no object; those of the images where None.
-            robot: Corners (V, 3) [m] of bodies whose points are left out.
+            robot_bodies: Corners (V, 3) [m] of bodies whose points are left out.
             things: Whether what is at objects becomes objects; else it is matter as well.
 
         Returns:
@@ -290,7 +295,7 @@ class Scene(ByValue):
             background = np.concatenate([np.empty((0, 3)), *(image.background() for image in self.images)])
         if self.up is None or len(background) == 0:
             return self
-        seen = without_bodies(background, robot)
+        seen = without_bodies(background, robot_bodies)
         found, matter, notes = unnamed_among(seen, self.clouds, self._fixed_in_order(), self.up, things)
         clouds = {name: as_points(cloud, f"cloud {name!r}") for name, cloud in found.items()}
         joined, said = FrozenDict({**self.clouds, **clouds}), (*self.assumptions, *notes)

@@ -232,7 +232,7 @@ def test_a_demo_that_does_not_exist_or_cannot_be_written(refused, tmp_path):
     [
         ("give up=[0, 0, 1] or name a table", "give --up 0 0 1 or name a table"),
         ("models=True takes them; image=N another", "--models takes them; --image N another"),
-        ("allow more with most_bytes=N", "allow more with --max-mb N"),
+        ("allow more with max_bytes=N", "allow more with --max-mb N"),
         ("in the camera's frame, or pose_source_to_world=POSE", "in the camera's frame"),
         ("a == b, and x=3 stays", "a == b, and x=3 stays"),
     ],

@@ -24,14 +24,9 @@ from topple.topology.scene.scene import Scene
 
 KEYS = {"what", "value", "unit", "baseline", "baseline_value", "ratio", "bar", "ok"}
 TINY_RELATE = relate.Extent(
-    (relate.Size(300, 1, 0.001, 1000),),
-    crowds=(3, 5),
-    tracked=6,
-    points=100,
-    crowds_by_default=False,
-    frame=False,
-    repeats=1,
-)
+    (relate.Size(300, 1, 0.001, 1000),), crowds=(3, 5), tracked=6, points=100, crowds_by_default=False,
+    frame=False, repeats=1,
+)  # fmt: skip
 ABOVE = {"a": {"b": 1, "c": 0}, "b": {"a": 0, "c": 0}, "c": {"a": None, "b": 0}}  # b lies on a
 
 
@@ -89,8 +84,7 @@ def test_relate_prints_the_contracts_document(monkeypatch, capsys):
     monkeypatch.setattr(relate, "QUICK", TINY_RELATE)
     code = main(["bench", "relate", "--quick", "--json"])
     document = json.loads(capsys.readouterr().out)
-    assert document["format"] == "topple.bench"
-    assert document["format_version"] == 1
+    assert (document["format"], document["format_version"]) == ("topple.bench", 1)
     assert document["bench"] == "relate"
     assert document["machine"]["cores"] >= 1
     assert all(set(row) == KEYS for row in document["rows"])
@@ -189,14 +183,8 @@ def test_intervals_hold_the_figure():
 
 
 def test_a_table_for_the_docs_has_a_column_for_each_heading():
-    row = {
-        "what": "orders | a second",
-        "value": 12.5,
-        "unit": "/s",
-        "baseline": "plain",
-        "baseline_value": 5.0,
-    }
-    full = {**row, "ratio": 2.5, "bar": "at least 2x", "ok": True}
+    row = {"what": "orders | a second", "value": 12.5, "unit": "/s"}
+    full = {**row, "baseline": "plain", "baseline_value": 5.0, "ratio": 2.5, "bar": "at least 2x", "ok": True}
     nothing = dict.fromkeys(("baseline", "baseline_value", "ratio", "bar", "ok"))
     bare = {**row, **nothing, "interval": (12.0, 13.0)}
     machine = {"processor": "a processor", "cores": 2}
@@ -218,15 +206,8 @@ def test_figures_of_several_methods_stand_side_by_side():
     ]
     machine = {"processor": "a processor", "cores": 2}
     written = [row.to_json() for row in rows]
-    document = {
-        "bench": "motion",
-        "part": "plans",
-        "quick": False,
-        "seed": 0,
-        "machine": machine,
-        "rows": written,
-    }
-    assert markdown(document) == [
+    head = {"bench": "motion", "part": "plans", "quick": False, "seed": 0, "machine": machine}
+    assert markdown({**head, "rows": written}) == [
         "| what | value | baseline | its value | bar | bar held |",
         "| --- | ---: | --- | ---: | --- | --- |",
         "| scene 1, ours | 6 pairs [5.9, 6.1] | paper | 5 pairs | >= 6 | ok |",

@@ -32,7 +32,8 @@ def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     clouds = {"table": table, "under it": _cube(0.05, 0.0), "on top": _cube(0.04, 0.0505)}
     base = np.eye(4)
     base[0, 3] = -0.5
-    found = plan(Scene(clouds, fixed=["table"], up=(0, 0, 1)), ["under it"], robot("panda"), base=base)
+    scene = Scene(clouds, fixed=["table"], up=(0, 0, 1), robot_base=base)
+    found = plan(scene, ["under it"], robot("panda"))
     place = tmp_path_factory.mktemp("plan") / "plan.json"
     place.write_bytes(plan_to_json(found))
     return place

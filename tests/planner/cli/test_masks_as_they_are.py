@@ -69,8 +69,8 @@ def test_the_order_says_it_all_the_same(frame, typed):
 
 
 def test_rank(frame, grasps, capsys):
-    assert refused(["rank", frame, grasps, "--object", "ghost"], capsys)
-    assert not refused(["rank", frame, grasps, "--object", "ghost", "--masks-as-they-are"], capsys)
+    assert refused(["rank", frame, grasps, "--target", "ghost"], capsys)
+    assert not refused(["rank", frame, grasps, "--target", "ghost", "--masks-as-they-are"], capsys)
     assert not refused(["rank", frame, grasps], capsys)
 
 

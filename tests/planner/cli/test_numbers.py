@@ -27,15 +27,11 @@ def test_gaps_of_nothing_have_no_sign(capsys):
 
 
 def test_the_table_of_supports_shows_the_kind_of_each_pair(capsys):
-    carried = {
-        "supporter": "bowl",
-        "supported": "lemon",
-        "kind": "contained",
-        "confidence": 0.7,
-        "inferred": True,
-    }
+    carried = {"supporter": "bowl", "supported": "lemon", "kind": "contained", "inferred": True}
     document = {"order": ["lemon"], "targets": [], "risk": {}, "dependencies": [], "explanation": []}
-    print_order("scene", {**document, "groups": [], "supports": [carried]}, explain=True)
+    print_order(
+        "scene", {**document, "groups": [], "supports": [{**carried, "confidence": 0.7}]}, explain=True
+    )
     lines = capsys.readouterr().out.splitlines()
     assert "What carries what:" in lines
     row = next(line for line in lines if "bowl" in line)

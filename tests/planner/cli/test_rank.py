@@ -52,11 +52,8 @@ def test_the_document_ranks_what_may_go_first_and_says_why_not(scene, grasps, ty
     assert (document["format"], document["format_version"], document["robot"]) == ("topple.rank", 1, "panda")
     assert document["reach_asked"] is True
     entries = document["grasps"]
-    assert [(entry["rank"], entry["index"], entry["object"]) for entry in entries] == [
-        (1, 1, "2"),
-        (2, 0, "1"),
-        (3, 2, None),
-    ]
+    told = [(entry["rank"], entry["index"], entry["object"]) for entry in entries]
+    assert told == [(1, 1, "2"), (2, 0, "1"), (3, 2, None)]
     assert [entry["feasible"] for entry in entries] == [True, False, False]
     assert entries[0]["why"] is None
     assert "2 would move: has to go before 1" in entries[1]["why"]
@@ -72,7 +69,7 @@ def test_the_table_says_it_of_each_grasp(scene, grasps, typed):
     assert "1 of 3 grasps can be done now" in printed
     assert "nothing is between its pads" in printed
     assert "Reach was not asked" in printed
-    printed = typed("rank", "--fixed", "table", scene, grasps, "--object", "1").out
+    printed = typed("rank", "--fixed", "table", scene, grasps, "--target", "1").out
     assert "0 of 1 grasps can be done now" in printed
 
 
@@ -86,7 +83,7 @@ def test_grasps_out_of_reach_say_so(scene, grasps, typed):
     [
         ((), "a scene and a file of grasps expected"),
         (("GRASPS", "GRASPS"), "a scene and a file of grasps expected"),
-        (("GRASPS", "--object", "cup"), "unknown object to grasp 'cup'"),
+        (("GRASPS", "--target", "cup"), "unknown target 'cup'"),
         (("GRASPS", "--robot", "hal"), "hal"),
         (("missing.npz",), "cannot be read"),
         (("SCENE",), "expected pred_grasps_cam or poses"),

@@ -22,7 +22,7 @@ PANDA = str(data_path() / "franka_panda" / "panda.urdf")
 
 @pytest.mark.slow
 def test_a_panda_is_understood_tried_and_its_line_plans(tmp_path, typed):
-    said = typed("robot", PANDA, "--json", "-o", tmp_path / "arm.png").document
+    said = typed("robot", PANDA, "--json", "--report", tmp_path / "arm.png").document
     assert said["format"] == "topple.robot" and said["ok"] is True
     assert [joint["name"] for joint in said["joints"]] == [f"panda_joint{k}" for k in range(1, 8)]
     assert [tool["kind"] for tool in said["tools"]] == ["jaw"]
@@ -76,7 +76,7 @@ def test_an_arm_whose_inverse_kinematics_misses_poses_is_not_ok(monkeypatch):
         (["hal"], "unknown robot 'hal'"),
         ([PANDA, "--srdf", "no.srdf"], "no.srdf: cannot be read"),
         ([PANDA, "--group", "arm"], "give --srdf FILE"),
-        ([PANDA, "-o", "nowhere/arm.png"], "nowhere"),
+        ([PANDA, "--report", "nowhere/arm.png"], "nowhere"),
         (["panda", "--gripper", "wsg50"], "has a hand of its own"),
     ],
 )

@@ -56,7 +56,7 @@ def test_its_points_are_nobodys_and_those_of_a_post_are_matter(command, frame, t
 
 def test_in_python_its_bodies_are_given(frame):
     panda = robot("panda")
-    scene = load_scene(frame, robot=panda.bodies(panda.home, pose_at(-0.5, 0.0, 0.0)))
+    scene = load_scene(frame, robot_bodies=panda.bodies(panda.home, pose_at(-0.5, 0.0, 0.0)))
     assert set(scene.names) == {"table", "box"}
     assert 100 < len(scene.matter) < 400
     assert np.linalg.norm(scene.matter[:, :2] - [-0.1, 0.45], axis=1).max() < 0.06

@@ -8,15 +8,10 @@ def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys):
     steps = (
         StepRecord("spoon", "remove", True, disturbed={"can": (0.0094, 0.01)}, seconds=4.0),
         StepRecord(
-            "plate",
-            "free",
-            False,
-            attempts=2,
-            disturbed={"can": (0.0123, 0.5)},
-            seconds=3.21,
+            "plate", "free", False, attempts=2, disturbed={"can": (0.0123, 0.5)}, seconds=3.21,
             events=("It slipped.",),
         ),
-    )
+    )  # fmt: skip
     record = RunRecord("free plate", "panda", 0, False, ("plate: can was moved 12.3 mm",), steps, 7.5)
     print_run("dishes", record.to_json())
     lines = capsys.readouterr().out.splitlines()
@@ -53,18 +48,10 @@ def test_relations_leave_out_what_is_apart_but_count_it(capsys):
 
 
 def test_a_group_is_said_in_words(capsys):
-    document = {
-        "targets": ["a"],
-        "order": ["b", "a"],
-        "dependencies": [
-            {"first": "a", "then": "b", "reason": "leaning", "confidence": 0.9},
-            {"first": "b", "then": "a", "reason": "leaning", "confidence": 0.9},
-        ],
-        "supports": [],
-        "groups": [["b", "a"]],
-        "risk": {"a": 0.9, "b": 0.9},
-    }
-    print_order("scene.npz", document, movable=5)
+    both = {"reason": "leaning", "confidence": 0.9}
+    pairs = [{"first": first, "then": then, **both} for first, then in ("ab", "ba")]
+    document = {"targets": ["a"], "order": ["b", "a"], "dependencies": pairs, "groups": [["b", "a"]]}
+    print_order("scene.npz", {**document, "supports": [], "risk": {"a": 0.9, "b": 0.9}}, movable=5)
     out = capsys.readouterr().out
     assert "to free a, take 2 of 5 movable objects" in out
     assert "b and a hold each other" in out

@@ -27,7 +27,7 @@ SLOW = [
 
 @pytest.mark.parametrize("away", ["bin", *SLOW], ids=str)
 def test_both_blocks_go_there_and_nothing_else_moves(away):
-    record = run(SCENE, ["lower"], "panda", base=BASE, away=away)
+    record = run(SCENE, ["lower"], "panda", pose_base_to_world=BASE, away=away)
     assert record.success, record.violations
     assert [step.object for step in record.steps if step.success] == ["upper", "lower"]
     assert all(step.relations_as_predicted for step in record.steps)

@@ -44,7 +44,7 @@ def test_a_scene_is_rebuilt_and_cleared_on_mujoco():
     arm = robot("panda")
     tried = trial(arm, "fingers")
     assert tried is not None
-    record = run(tried.scene(), [tried.name], arm, base=np.eye(4), engine="mujoco")
+    record = run(tried.scene(), [tried.name], arm, pose_base_to_world=np.eye(4), engine="mujoco")
     assert record.success, record.violations
 
 

@@ -18,7 +18,7 @@ def test_an_arm_that_only_points_down_has_a_verified_plan(name, tmp_path):
     tried = trial(arm, "fingers")
     assert tried is not None
     scene = tried.scene()
-    found = plan(scene, [tried.name], arm, base=np.eye(4))
+    found = plan(scene, [tried.name], arm, pose_base_to_world=np.eye(4))
     assert found.certified and found.verify(scene).ok
 
 

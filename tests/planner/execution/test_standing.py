@@ -51,7 +51,7 @@ def test_three_centimetres_aside_are_seen_and_none_are_not(arm):
 
 
 def test_without_a_camera_that_shows_the_arm_nothing_is_said(arm):
-    above = Camera.looking_at((0.15, 0.0, 0.3), (0.15, 0.0, 0.0), view=0.5)
+    above = Camera.looking_at((0.15, 0.0, 0.3), (0.15, 0.0, 0.0), fov=0.5)
     seen, aside = look(arm, above), Aside(arm, np.random.default_rng(0))
     aside.way = np.array([0.03, 0.0, 0.0])
     assert misplacement(aside, seen.images, seen.scene) is None

@@ -70,7 +70,7 @@ def pinch(height: float = 0.05, score: float = 1.0) -> Grasp:
 def test_a_finger_in_a_shadow_comes_unseen(scene, unseen):
     assert coming_unseen([pinch()], Situation(scene), shapes_of(PANDA)).tolist() == [unseen]
     (ranked,) = rank_grasps(scene, [pinch()], "panda")
-    assert (ranked.dropped, ranked.grasp.unseen) == (None, unseen)
+    assert (ranked.why, ranked.grasp.unseen) == (None, unseen)
 
 
 def test_where_something_was_taken_away_is_free_and_its_shadow_is_not():
@@ -92,7 +92,7 @@ def test_hands_that_come_seen_are_before_all_others():
 
 def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not():
     hidden, open_ = (
-        plan(shaded(LOW, wall=wall), ["block"], "panda", base=BASE, grasps=[pinch()])
+        plan(shaded(LOW, wall=wall), ["block"], "panda", pose_base_to_world=BASE, grasps=[pinch()])
         for wall in (True, False)
     )
     (step,) = hidden.steps
@@ -104,7 +104,7 @@ def test_a_step_whose_hand_comes_unseen_says_so_and_others_do_not():
     assert [step.unseen for step in open_.steps] == [False]
     assert not any("no camera saw" in words for words in open_.assumptions)
     with pytest.raises(NoSafePlan, match="not tried, as the relaxations leave it out: unseen"):
-        plan(shaded(LOW), ["block"], "panda", base=BASE, grasps=[pinch()], relaxations=RELAXATIONS[:-1])
+        plan(shaded(LOW).with_base(BASE), ["block"], "panda", grasps=[pinch()], relaxations=RELAXATIONS[:-1])
 
 
 def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one():
@@ -113,10 +113,10 @@ def test_of_grasps_given_one_that_comes_seen_is_used_before_a_better_one():
         [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
     )
     behind = Grasp("block", "pinch", turned, 0.05, 0.066, 1.0)
-    (step,) = plan(scene, ["block"], "panda", base=BASE, grasps=[behind, pinch(score=0.1)]).steps
+    (step,) = plan(scene.with_base(BASE), ["block"], "panda", grasps=[behind, pinch(score=0.1)]).steps
     assert not step.unseen
     assert step.grasp.score == pytest.approx(0.1)
-    (step,) = plan(scene, ["block"], "panda", base=BASE, grasps=[behind]).steps
+    (step,) = plan(scene, ["block"], "panda", pose_base_to_world=BASE, grasps=[behind]).steps
     assert step.unseen
 
 
@@ -127,8 +127,8 @@ def test_what_may_go_as_well_goes_before_what_is_taken_unseen():
 
     orders = [
         plan(
-            shaded(*eyes, lit=True), ["block", "lit"], "panda", base=BASE, orderer=by_name,
-            grasps=[pinch()], check=False,
+            shaded(*eyes, lit=True), ["block", "lit"], "panda", pose_base_to_world=BASE, orderer=by_name,
+            grasps=[pinch()], verify=False,
         ).order
         for eyes in ((), (LOW,))
     ]  # fmt: skip
@@ -137,7 +137,7 @@ def test_what_may_go_as_well_goes_before_what_is_taken_unseen():
 
 def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted():
     hidden, open_ = shaded(LOW), shaded(LOW, OTHER)
-    made = plan(hidden, ["block"], "panda", base=BASE, grasps=[pinch()])
+    made = plan(hidden, ["block"], "panda", pose_base_to_world=BASE, grasps=[pinch()])
     forged = json.loads(plan_to_json(made))
     forged["steps"][0] |= {"unseen": False, "fallbacks": []}
     checked = verify(plan_from_json(json.dumps(forged)), hidden, step=ROUGH)

@@ -69,9 +69,9 @@ CASES = {
 def test_what_no_hand_can_hold_is_refused_by_ranking_and_plan_alike(case):
     scene, grasp, words = CASES[case]
     (ranked,) = rank_grasps(scene, [grasp], "panda")
-    assert words in (ranked.dropped or "")
+    assert words in (ranked.why or "")
     with pytest.raises(NoSafePlan, match=r"\(2 of 2 grasps given\)") as caught:
-        plan(scene, [grasp.object], "panda", base=BASE, grasps=[grasp, replace(grasp, score=0.5)])
+        plan(scene.with_base(BASE), [grasp.object], "panda", grasps=[grasp, replace(grasp, score=0.5)])
     (failure,) = caught.value.failures
     assert any(words in reason for reason in failure.reasons)
 
@@ -86,7 +86,7 @@ def test_of_grasps_given_those_that_hold_are_used_and_none_of_the_others():
     left, dropped = doable([bad, good], Situation(scene), PANDA, BASE)
     assert [np.allclose(grasp.pose_tool_to_world, pose) for grasp in left] == [True]
     assert list(dropped.reasons) == ["the hand meets something without a name (1 of 2 grasps given)"]
-    (step,) = plan(scene, ["block"], "panda", base=BASE, grasps=[bad, good]).steps
+    (step,) = plan(scene, ["block"], "panda", pose_base_to_world=BASE, grasps=[bad, good]).steps
     assert abs(np.array(step.grasp.pose_tool_to_world)[0, 1]) == pytest.approx(1.0)
 
 
@@ -106,5 +106,5 @@ def test_what_a_search_finds_the_ranking_refuses_none_of(body):
     scene = on_table((body, MIDDLE))
     found = grasp_candidates(body.name, scene, PANDA)
     assert found
-    refused = [entry.dropped for entry in rank_grasps(scene, found, "panda") if entry.dropped]
+    refused = [entry.why for entry in rank_grasps(scene, found, "panda") if entry.why]
     assert refused == []

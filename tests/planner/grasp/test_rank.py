@@ -34,14 +34,14 @@ GRASPS = np.array([down(0.0, 0.0, 0.035), down(0.0, 0.0, 0.088), down(0.2, 0.2, 
 def test_what_may_go_first_comes_first_whatever_the_scores():
     ranked = rank_grasps(scene(), GRASPS)
     assert [entry.grasp.object for entry in ranked] == ["upper", "lower", ""]
-    assert ranked[0].dropped is None
+    assert ranked[0].why is None
     assert ranked[0].before == ()
 
 
 def test_every_dropped_grasp_says_why():
     ranked = {entry.index: entry for entry in rank_grasps(scene(), GRASPS)}
-    assert "upper" in (ranked[0].dropped or "")
-    assert ranked[2].dropped == "nothing is between its pads"
+    assert "upper" in (ranked[0].why or "")
+    assert ranked[2].why == "nothing is between its pads"
 
 
 @pytest.mark.parametrize(
@@ -55,15 +55,15 @@ def test_every_dropped_grasp_says_why():
 def test_what_is_known_to_weigh_more_than_hand_or_arm_hold_is_refused_with_its_figures(mass, why):
     upper = rank_grasps(scene().weighed({"upper": mass}), GRASPS, "panda")[0]
     assert upper.grasp.object == "upper"
-    said = (upper.dropped or "").split("; ")
+    said = (upper.why or "").split("; ")
     assert [words for words in why if not any(words in each for each in said)] == []
-    assert (upper.dropped is None) is not bool(why)
+    assert (upper.why is None) is not bool(why)
 
 
 def test_what_the_arm_cannot_reach_is_dropped():
     far = at(-3.0, 0.0, 0.0)
     ranked = rank_grasps(scene(), GRASPS, robot("panda"), pose_base_to_world=far)
-    assert ranked[0].dropped == "out of reach"
+    assert ranked[0].why == "out of reach"
 
 
 def test_grasps_in_the_frame_of_the_scene_s_camera_are_taken_by_its_pose():
@@ -75,7 +75,7 @@ def test_grasps_in_the_frame_of_the_scene_s_camera_are_taken_by_its_pose():
     known = grasps_from_array(GRASPS)
     assert camera_frame(seen, known) is None
     assert camera_frame(seen, replace(known, poses_tool_to_source=poses)) == pytest.approx(eye)
-    ranked = [[(entry.index, entry.dropped) for entry in rank_grasps(seen, some)] for some in (GRASPS, poses)]
+    ranked = [[(entry.index, entry.why) for entry in rank_grasps(seen, some)] for some in (GRASPS, poses)]
     assert ranked[0] == ranked[1]
     with pytest.raises(InvalidInput, match="no grasp is near anything"):
         rank_grasps(scene(), poses)
@@ -87,8 +87,8 @@ def test_no_grasps_give_no_ranking():
 
 def test_all_that_speaks_against_a_grasp_is_said():
     ranked = {entry.index: entry for entry in rank_grasps(scene(), GRASPS)}
-    assert "the hand meets upper" in (ranked[0].dropped or "")
-    assert "upper would move: has to go before lower" in (ranked[0].dropped or "")
+    assert "the hand meets upper" in (ranked[0].why or "")
+    assert "upper would move: has to go before lower" in (ranked[0].why or "")
 
 
 def test_of_what_may_go_now_what_can_be_done_comes_before_a_better_score():
@@ -100,7 +100,7 @@ def test_of_what_may_go_now_what_can_be_done_comes_before_a_better_score():
     better = replace(poses[1], score=0.3)
     ranked = rank_grasps(scene(), [*poses, better])
     assert [entry.index for entry in ranked] == [2, 1, 0]
-    assert ranked[2].dropped is not None
+    assert ranked[2].why is not None
 
 
 def test_grasps_in_another_frame_are_brought_to_the_world_or_refused():
@@ -128,8 +128,8 @@ def test_a_cup_that_meets_a_neighbour_says_which():
     pushed = scene().with_cloud("wall", beside)
     grasp = Grasp("upper", "suction", down(0.0, 0.0, 0.1005), 0.0, 0.08, 0.9)
     met, free = (rank_grasps(given, [grasp], "panda-suction")[0] for given in (pushed, scene()))
-    assert "the hand meets wall" in (met.dropped or "")
-    assert free.dropped is None
+    assert "the hand meets wall" in (met.why or "")
+    assert free.why is None
 
 
 def test_a_neighbour_beside_the_cup_alone_is_met_too():
@@ -139,7 +139,7 @@ def test_a_neighbour_beside_the_cup_alone_is_met_too():
     assert all(rod[:, 2].max() < 0.1005 - prism.front for prism in cup.body), "under the open fingers"
     grasp = Grasp("upper", "suction", down(0.0, 0.0, 0.1005), 0.0, 0.08, 0.9)
     (ranked,) = rank_grasps(scene().with_cloud("rod", rod), [grasp], "panda-suction")
-    assert "the hand meets rod" in (ranked.dropped or "")
+    assert "the hand meets rod" in (ranked.why or "")
 
 
 WAYS = ("the hand meets", "the fingers would")
@@ -196,7 +196,7 @@ def test_many_grasps_of_a_real_frame_are_ranked_as_each_by_itself(name, arm):
     base[:3, :3] = np.column_stack([ahead, np.cross(up, ahead), up])
     base[:3, 3] = poses[:, :3, 3].mean(axis=0) - 0.8 * base[:3, 0]  # some are out of reach
     ranked = rank_grasps(given, poses, arm, pose_base_to_world=base)
-    told = {entry.index: (entry.grasp.object, entry.before, entry.dropped or "") for entry in ranked}
+    told = {entry.index: (entry.grasp.object, entry.before, entry.why or "") for entry in ranked}
     for index, name, before, why in one_by_one(given, poses, arm, base):
         held, waits, said = told[index]
         more = [text for text in said.split("; ") if text not in why]
@@ -216,7 +216,7 @@ def test_many_cups_among_neighbours_are_told_what_each_by_itself_is_told():
     met = [against(grasp, given, hand, cup) for grasp in cups]
     assert len(set(met)) > 3
     for index, words in enumerate(met):
-        told = (ranked[index].dropped or "").split("; ")
+        told = (ranked[index].why or "").split("; ")
         assert "; ".join(text for text in told if text.startswith(WAYS)) == words
 
 
@@ -233,9 +233,9 @@ def test_what_a_file_calls_things_is_what_they_hold_and_what_it_names_wrongly_sa
 
     told = {entry.index: entry for entry in rank_grasps(given, labelled("7", "3", "12", ""))}
     assert [told[index].grasp.object for index in range(4)] == ["7", "", "", "7"]
-    assert told[0].dropped is None
-    assert told[1].dropped == "its file has it hold 3, but between its pads is 7"
-    assert told[2].dropped == "its file has it hold 12, which is not in the scene"
+    assert told[0].why is None
+    assert told[1].why == "its file has it hold 3, but between its pads is 7"
+    assert told[2].why == "its file has it hold 12, which is not in the scene"
     unlabelled = rank_grasps(given, labelled("40", "41", "42", "43"))
     assert {entry.grasp.object for entry in unlabelled} == {"7"}, "numbers of other things mean nothing here"
     named = {
@@ -256,19 +256,17 @@ def test_a_reach_of_ones_own_is_asked_about_what_nothing_else_speaks_against():
 
     ranked = {entry.index: entry for entry in rank_grasps(scene(), GRASPS, reach=reach)}
     assert asked == [["upper"]]
-    assert ranked[1].dropped == "joint 4 at its limit"
-    assert (
-        "out of reach" not in (ranked[0].dropped or "") and ranked[2].dropped == "nothing is between its pads"
-    )
+    assert ranked[1].why == "joint 4 at its limit"
+    assert "out of reach" not in (ranked[0].why or "") and ranked[2].why == "nothing is between its pads"
     everywhere = rank_grasps(scene(), GRASPS, reach=lambda grasps: [True] * len(grasps))
     nowhere = rank_grasps(scene(), GRASPS, reach=lambda grasps: np.zeros(len(grasps), bool))
-    assert (everywhere[0].dropped, nowhere[0].dropped) == (None, "out of reach")
+    assert (everywhere[0].why, nowhere[0].why) == (None, "out of reach")
 
 
 def test_a_reach_of_ones_own_goes_before_the_arms(tmp_path):
     far = at(-3.0, 0.0, 0.0)
     ranked = rank_grasps(scene(), GRASPS, "panda", pose_base_to_world=far, reach=lambda grasps: [True])
-    assert ranked[0].dropped is None
+    assert ranked[0].why is None
 
 
 @pytest.mark.parametrize(

@@ -131,7 +131,7 @@ def test_wrong_calls_are_refused_in_a_line(folder, name, arguments, said):
 def test_arrays_are_bounded(folder):
     cloud = [[0.0, 0.0, 0.001 * k] for k in range(100)]
     with pytest.raises(InvalidInput, match="clouds would unpack"):
-        answer(Root.at(folder, most_bytes=1000), "relate", {"scene": {"clouds": {"a": cloud}}})
+        answer(Root.at(folder, max_bytes=1000), "relate", {"scene": {"clouds": {"a": cloud}}})
 
 
 def test_schemas_are_of_objects_without_other_keys():

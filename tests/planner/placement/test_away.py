@@ -28,7 +28,8 @@ HANDED_ON = "it ends where things go that are taken"
 @pytest.fixture(scope="module")
 def made() -> dict[Away, Plan]:
     """The lower block freed, away in each way."""
-    return {how: plan(SCENE, ["lower"], "panda", base=BASE, away=words) for how, words in WAYS.items()}
+    there = SCENE.with_base(BASE)
+    return {how: plan(there, ["lower"], "panda", away=words) for how, words in WAYS.items()}
 
 
 def changed(made: Plan, change: Any) -> Plan:
@@ -128,4 +129,4 @@ def test_what_is_no_place_is_refused(words, match):
 
 def test_a_box_in_what_is_seen_is_refused():
     with pytest.raises(InvalidInput, match="away bin: it stands in what is seen"):
-        plan(SCENE, ["lower"], "panda", base=BASE, away=("bin", 0.5, 0.0, 0.0, 0.0, 0.4, 0.3, 0.2))
+        plan(SCENE.with_base(BASE), ["lower"], "panda", away=("bin", 0.5, 0.0, 0.0, 0.0, 0.4, 0.3, 0.2))

@@ -50,7 +50,7 @@ def with_peg() -> Scene:
 @pytest.fixture(scope="module")
 def dropped() -> Plan:
     best = grasp_candidates("peg", with_peg(), robot("panda"))[:1]
-    return plan(with_peg(), ["peg"], "panda", base=BASE, grasps=best, allow_drop=True)
+    return plan(with_peg(), ["peg"], "panda", pose_base_to_world=BASE, grasps=best, allow_drop=True)
 
 
 def raised(x: float, z: float) -> np.ndarray:
@@ -92,7 +92,7 @@ def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it():
 def test_what_stays_nowhere_is_no_plan_and_the_reason_says_so():
     best = grasp_candidates("peg", with_peg(), robot("panda"))[:1]
     with pytest.raises(NoSafePlan, match="would not stay as it is let go there, and no drop is allowed"):
-        plan(with_peg(), ["peg"], "panda", base=BASE, grasps=best)
+        plan(with_peg(), ["peg"], "panda", pose_base_to_world=BASE, grasps=best)
 
 
 @pytest.mark.slow

@@ -69,9 +69,10 @@ def test_the_orders_and_the_plan_of_a_demo_do_not_contradict_themselves(name, se
         base, second = stage.pose_base_to_world, stage.pose_second_to_world
         with suppress(NoSafePlan):  # what the first look hides, later ones may show; what was chosen is kept
             if second is not None:
-                plan_two_handed(scene, watched, stage.robot, base=base, second_base=second, allow_drop=True)
+                both = {"pose_base_to_world": base, "pose_second_to_world": second}
+                plan_two_handed(scene, watched, stage.robot, **both, allow_drop=True)
             else:
-                made = plan(scene, watched, stage.robot, base=base, orderer=cautious, seed=seed)
+                made = plan(scene, watched, stage.robot, pose_base_to_world=base, orderer=cautious, seed=seed)
                 document = {"order": made.order, "dependencies": to_builtins(made.dependencies)}
                 assert contradictions(document, [step.object for step in made.steps]) == []
     assert watched.steps or name == "hold"

@@ -35,7 +35,7 @@ def test_the_next_view_is_on_the_other_side_of_what_hides(hidden):
     now = view.eye - view.target
     assert before[:2] @ now[:2] < 0
     assert {"low", "upper"} in [{one.a, one.b} for one in view.shows]
-    again = next_views(hidden, eyes=np.stack([EYES[0], view.eye]))
+    again = next_views(hidden, viewpoints=np.stack([EYES[0], view.eye]))
     assert again[0].worth == pytest.approx(view.worth, abs=1e-6)
     assert len(again) == 1 or again[1].worth < 0.3 * view.worth
     np.testing.assert_allclose(view.pose_camera_to_scene[:3, 3], view.eye)
@@ -57,8 +57,8 @@ def test_where_nothing_is_hidden_no_view_is_worth_a_look():
 
 
 def test_places_that_are_none_are_refused(hidden):
-    with pytest.raises(InvalidInput, match="eyes"):
-        next_view(hidden, eyes=np.zeros((2, 2)))
+    with pytest.raises(InvalidInput, match="viewpoints"):
+        next_view(hidden, viewpoints=np.zeros((2, 2)))
 
 
 def test_the_command_tells_it(hidden, tmp_path, typed):

@@ -38,7 +38,7 @@ def stacked() -> Scene:
 
 @pytest.fixture(scope="module")
 def found() -> Plan:
-    return plan(stacked(), ["lower box"], ARM, base=BASE)
+    return plan(stacked(), ["lower box"], ARM, pose_base_to_world=BASE)
 
 
 def test_what_lies_on_top_is_removed_first(found):
@@ -74,7 +74,8 @@ class PinchingChooser(StepChooser):
 
 def test_from_a_step_that_its_check_refutes_on_a_plan_is_made_anew(found):
     lines = list[str]()
-    other = plan(stacked(), Pinching(["lower box"], 1), ARM, base=BASE, check=True, progress=lines.append)
+    there, goal = stacked().with_base(BASE), Pinching(["lower box"], 1)
+    other = plan(there, goal, ARM, verify=True, progress=lines.append)
     assert other.verify(stacked()).ok
     assert sum("upper" in line for line in lines) == 1  # what went before stays
     first, second = found.steps[1], other.steps[1]
@@ -86,7 +87,7 @@ def test_from_a_step_that_its_check_refutes_on_a_plan_is_made_anew(found):
 @pytest.mark.slow
 def test_where_the_check_refutes_plan_after_plan_its_first_reason_is_told():
     with pytest.raises(NoSafePlan, match="own check: grasps that hold nothing"):
-        plan(stacked(), Pinching(["lower box"], 9), ARM, base=BASE, check=True)
+        plan(stacked(), Pinching(["lower box"], 9), ARM, pose_base_to_world=BASE, verify=True)
 
 
 @pytest.mark.slow
@@ -174,13 +175,13 @@ def test_out_of_reach_is_no_plan_with_a_certificate():
     far = BASE.copy()
     far[0, 3] = -3.0
     with pytest.raises(NoSafePlan) as caught:
-        plan(stacked(), ["upper"], ARM, base=far)
+        plan(stacked(), ["upper"], ARM, pose_base_to_world=far)
     assert "upper" in caught.value.certificate[0]
 
 
 def test_an_unknown_target_is_named():
     with pytest.raises(UnknownObject, match="cup"):
-        plan(stacked(), ["cup"], ARM, base=BASE)
+        plan(stacked(), ["cup"], ARM, pose_base_to_world=BASE)
 
 
 def test_every_export_is_text(found):
@@ -303,7 +304,7 @@ def test_a_motion_that_is_not_there_is_refused(found, step, segment, words):
 @pytest.mark.parametrize("base", [[-0.5, 0.0, 0.0], np.diag([1.0, -1.0, 1.0, 1.0]), np.full((4, 4), np.nan)])
 def test_a_base_that_is_no_pose_is_refused(base):
     with pytest.raises(InvalidInput, match=r"^base "):
-        plan(stacked(), ["upper"], ARM, base=base)  # type: ignore[arg-type]
+        plan(stacked(), ["upper"], ARM, pose_base_to_world=base)  # type: ignore[arg-type]
 
 
 def test_a_single_name_may_be_kept_upright():
@@ -314,5 +315,5 @@ def test_a_single_name_may_be_kept_upright():
 
 def test_beside_what_is_no_more_than_a_line_a_plan_is_checked_and_handed_on():
     thread = np.linspace([0.0, 0.3, 0.001], [0.05, 0.3, 0.001], 50)
-    made = plan(stacked().with_cloud("thread", thread), ["upper"], ARM, base=BASE)
+    made = plan(stacked().with_cloud("thread", thread), ["upper"], ARM, pose_base_to_world=BASE)
     assert made.order == ["upper"] and "thread" in export(made, "moveit")

@@ -67,7 +67,7 @@ def test_under_a_board_no_hand_comes_from_above(scene, stage):
 def test_what_belongs_in_another_column_slides_in_level(scene, stage):
     clouds = {**scene.clouds, "can_1": scene.clouds["can_1"] + np.array([0.0, 0.16, 0.0])}
     wanted = ArrangementTask(Arrangement(Scene(clouds, scene.fixed, scene.up)))
-    found = plan(scene, wanted, stage.robot, base=stage.pose_base_to_world)
+    found = plan(scene, wanted, stage.robot, pose_base_to_world=stage.pose_base_to_world)
     assert verify(found, scene).ok
     segments = found.steps[-1].segments
     (way,) = (segment.motion for segment in segments if segment.kind == "place")
@@ -80,7 +80,7 @@ def test_what_belongs_in_another_column_slides_in_level(scene, stage):
 
 @pytest.mark.slow
 def test_what_is_planned_slides_out_and_is_verified(scene, stage):
-    found = plan(scene, stage.goal, stage.robot, base=stage.pose_base_to_world)
+    found = plan(scene, stage.goal, stage.robot, pose_base_to_world=stage.pose_base_to_world)
     assert found.order == ["can_1", "box_0"]
     assert found.verify(scene).ok
     arm, base = robot(stage.robot), stage.pose_base_to_world

@@ -62,7 +62,8 @@ def test_a_hold_is_planned_whole_and_each_motion_keeps_clear_of_the_other_arm():
     with scenario("hold", 1) as stage:
         scene = Observer(stage.world, stage.cameras, np.random.default_rng(1), stage.fixed).look().scene
         bases: tuple[FloatArray, ...] = (stage.pose_base_to_world, np.asarray(stage.pose_second_to_world))
-        steps = plan_two_handed(scene, stage.goal, arm, base=bases[0], second_base=bases[1])
+        both = dict(zip(("pose_base_to_world", "pose_second_to_world"), bases, strict=True))
+        steps = plan_two_handed(scene, stage.goal, arm, **both)
     assert steps[-1].transfer.object == "plank"
     assert [step.grip is not None for step in steps].count(True) == 1
     stand = [np.asarray(arm.home), np.asarray(arm.home)]

@@ -40,7 +40,7 @@ START, GOAL = blocks(a=(0, 0, 0), b=(0.2, 0, 0)), blocks(a=(0.2, 0, 0), b=(0, 0,
 
 @pytest.fixture(scope="module")
 def swapped() -> Plan:
-    return rearrange(START, GOAL, "panda", base=BASE)
+    return rearrange(START, GOAL, "panda", pose_base_to_world=BASE)
 
 
 def test_two_blocks_change_places_in_three_certified_steps(swapped):
@@ -73,7 +73,7 @@ def noisy(scene: Scene, seed: int) -> Scene:
 def test_a_tower_does_not_grow_by_the_noise_of_what_is_seen():
     start = noisy(blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1)), 0)
     goal = noisy(blocks(red=(0.2, 0, 0), green=(0.2, 0, 0.1), blue=(0.2, 0, 0.05)), 1)
-    found = rearrange(start, goal, "panda", base=BASE)
+    found = rearrange(start, goal, "panda", pose_base_to_world=BASE)
     put = [step for step in found.steps if step.action == "place"]
     assert [step.object for step in put] == ["red", "blue", "green"]
     for step in put:
@@ -87,7 +87,7 @@ def test_a_tower_does_not_grow_by_the_noise_of_what_is_seen():
 def test_a_tower_is_built_again_in_another_order():
     start = blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1))
     goal = blocks(red=(0.2, 0, 0), green=(0.2, 0, 0.1), blue=(0.2, 0, 0.05))
-    found = rearrange(start, goal, "panda", base=BASE)
+    found = rearrange(start, goal, "panda", pose_base_to_world=BASE)
     assert found.order == ["blue", "green", "red", "blue", "green"]
     assert found.verify(start).ok
 
@@ -101,7 +101,7 @@ def test_what_bars_the_hand_makes_room_and_comes_back():
     low = box("low", (0.05, 0.05, 0.04))
     start, goal = (on_table(*around, (low, place), points=1500) for place in ((0, 0, 0), (0.05, 0.25, 0)))
     assert [move.object for move in rearrange(start, goal).moves] == ["low"]
-    found = rearrange(start, goal, "panda", base=BASE)
+    found = rearrange(start, goal, "panda", pose_base_to_world=BASE)
     middle = found.order.index("low")
     assert set(found.order[:middle]) == set(found.order[middle + 1 :])
     assert [step.buffer for step in found.steps] == [True] * middle + [False] * (middle + 1)
@@ -109,7 +109,7 @@ def test_what_bars_the_hand_makes_room_and_comes_back():
 
 
 def test_what_lies_there_already_takes_no_step():
-    assert rearrange(START, START, "panda", base=BASE).steps == []
+    assert rearrange(START, START, "panda", pose_base_to_world=BASE).steps == []
 
 
 def test_what_the_arm_cannot_do_is_told():
@@ -118,7 +118,7 @@ def test_what_the_arm_cannot_do_is_told():
         on_table((box("a", (0.12, 0.12, 0.12)), (0.1, 0, 0))),
     )
     with pytest.raises(NoSafePlan, match="wider than the hand opens"):
-        rearrange(*wide, "panda", base=BASE)
+        rearrange(*wide, "panda", pose_base_to_world=BASE)
 
 
 @pytest.mark.slow

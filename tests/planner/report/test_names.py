@@ -40,7 +40,7 @@ def test_scene_relations_and_plan_are_printed_with_names_and_written_with_number
     one, two, support = (spoken_names(scene)[name] for name in "129")
     assert str(scene).startswith(f"2 objects: {one}, {two}\nfixed: {support}\n")
     assert f"\n{one}  touch  {support}  " in str(relations.with_relation("1", "9", "touch"))
-    made = plan(scene, "free 1", "panda-suction", check=False)
+    made = plan(scene, "free 1", "panda-suction", verify=False)
     heading, _, step = str(made).splitlines()
     assert heading.startswith(f"free {one}, 1 step, ") and step.startswith(f"1  free  {one}  nothing ")
     again = type(made).from_json(made.to_json())

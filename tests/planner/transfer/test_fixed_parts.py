@@ -74,10 +74,10 @@ def inside(found: Plan, part: str) -> int:
 @pytest.mark.parametrize(("part", "spacing"), [("wall", 0.02), ("crate", 0.006)])
 def test_a_plan_keeps_clear_of_every_part_of_a_fixed_cloud(part, spacing):
     scene, bare = scene_with(part, spacing), scene_with(None, spacing)
-    found = plan(scene, ["can"], "panda", base=BASE)
+    found = plan(scene, ["can"], "panda", pose_base_to_world=BASE)
     assert inside(found, part) == 0
     assert (checked := found.verify(scene)).ok, [(bad.name, bad.value, bad.witness) for bad in checked.failed]
-    blind = plan(bare, ["can"], "panda", base=BASE)
+    blind = plan(bare, ["can"], "panda", pose_base_to_world=BASE)
     assert blind.verify(bare).ok
     assert "points outside of the plan's bodies" in [bad.name for bad in blind.verify(scene).failed]
 
@@ -130,7 +130,7 @@ def test_a_bench_like_an_l_does_not_fill_its_corner():
     for place, free in (((0.05, -0.06), False), ((-0.3, -0.2), True)):
         cell = np.floor((np.array(place) - top.origin) / top.cell).astype(int)
         assert bool(top.distance[tuple(cell)] > 0.0) == free
-    found = plan(scene, ["can"], "panda", base=pose_at(0.05, -0.6, 0.0) @ turned())
+    found = plan(scene, ["can"], "panda", pose_base_to_world=pose_at(0.05, -0.6, 0.0) @ turned())
     assert found.verify(scene).ok
 
 

@@ -84,7 +84,7 @@ def test_a_screen_is_an_obstacle_and_no_object(behind):
 
 def test_an_arm_goes_round_a_screen_and_never_through(behind):
     try:
-        found = plan(behind, ["box"], "panda", base=BASE)
+        found = plan(behind, ["box"], "panda", pose_base_to_world=BASE)
     except NoSafePlan as error:
         assert MATTER in str(error)
         return
@@ -97,7 +97,7 @@ def test_a_plan_through_a_screen_is_refuted():
     close = pose_at(-0.08, 0.0, 0.0)
     blind = seen(close, unnamed=False)
     assert MATTER not in Situation(blind).solids
-    found = plan(blind, ["box"], "panda", base=BASE)
+    found = plan(blind, ["box"], "panda", pose_base_to_world=BASE)
     assert found.verify(blind).ok
     assert deepest(found, close) > 0
     assert "collisions (python-fcl)" in [bad.name for bad in found.verify(seen(close)).failed]
@@ -113,13 +113,13 @@ def test_nothing_is_put_into_a_screen_and_hands_keep_clear(behind):
 
 def test_a_box_against_a_wall_is_taken():
     wall, against = shapes.box("screen", (0.01, 0.7, 0.12)), pose_at(0.031, 0.0, 0.0)
-    found = plan(seen(against, what=wall), ["box"], "panda", base=BASE)
+    found = plan(seen(against, what=wall), ["box"], "panda", pose_base_to_world=BASE)
     assert deepest(found, against, wall) == 0
 
 
 @pytest.mark.slow
 def test_a_run_sees_the_screen_as_matter_and_goes_round_it(behind):
-    record = run(behind, ["box"], "panda", base=BASE)
+    record = run(behind, ["box"], "panda", pose_base_to_world=BASE)
     assert record.success, record.violations
     assert record.scene is not None and set(record.scene.names) == {"table", "box"}
     assert len(record.scene.matter) > 1000

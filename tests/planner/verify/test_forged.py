@@ -63,7 +63,7 @@ def test_an_arm_that_stands_20_cm_beside_where_the_scene_has_it():
 def test_a_base_of_ones_own_replaces_that_of_the_scene():
     beside = BASE.copy()
     beside[1, 3] += 0.1
-    made = plan(alone(robot_base=beside), ["block"], "panda", base=BASE)
+    made = plan(alone(robot_base=beside), ["block"], "panda", pose_base_to_world=BASE)
     assert made.pose_base_to_world == BASE.tolist()
 
 
@@ -73,20 +73,20 @@ def test_what_is_weighed_is_held_against_arm_and_hand(mass, what):
     assert refuted(verify(planned(*CASE), weighed, step=ROUGH)) == what
     if what:
         with pytest.raises(NoSafePlan, match=rf"{mass:g} kg are more than"):
-            plan(weighed, "free lower", "panda", base=BASE)
+            plan(weighed, "free lower", "panda", pose_base_to_world=BASE)
 
 
 def test_joints_that_cannot_hold_a_load_are_named_with_their_figures():
     """Within the rated payload, and beyond what a joint of an xArm holds far out."""
     far, arm = alone(0.25), robot("xarm6")
-    made = plan(far, ["block"], arm, base=BASE)
+    made = plan(far, ["block"], arm, pose_base_to_world=BASE)
     assert verify(made, far, step=ROUGH).ok
     heavy = far.weighed({"block": 2.9}, {"block": 1.0})
     checked = verify(made, heavy, step=ROUGH)
     assert refuted(checked) == {CARRIES}
     assert "joint" in checked.failed[0].witness and "N m" in checked.failed[0].witness
     with pytest.raises(NoSafePlan, match=r"joint\d takes \d+ of \d+ N m"):
-        plan(heavy, ["block"], arm, base=BASE)
+        plan(heavy, ["block"], arm, pose_base_to_world=BASE)
 
 
 def test_a_load_pressed_into_the_table_that_it_is_said_to_be_put_into():
@@ -117,7 +117,7 @@ def test_pads_that_are_11_mm_further_apart_than_the_object_is_wide():
 
 def test_a_foot_that_no_camera_saw_and_nobody_guesses():
     seen = alone(viewpoints=[[0.6, 0.0, 0.8], [-0.2, 0.6, 0.7]])
-    made = plan(seen, ["block"], "panda", base=BASE)
+    made = plan(seen, ["block"], "panda", pose_base_to_world=BASE)
     forged = json.loads(plan_to_json(made))
     thing = next(each for each in forged["objects"] if each["name"] == "block")
     foot = [[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (0.0, 0.002)]

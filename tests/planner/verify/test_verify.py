@@ -29,7 +29,7 @@ def stacked() -> Scene:
 
 @pytest.fixture(scope="module")
 def found() -> Plan:
-    return plan(stacked(), ["lower"], robot("panda"), base=BASE)
+    return plan(stacked(), ["lower"], robot("panda"), pose_base_to_world=BASE)
 
 
 @pytest.fixture(scope="module")

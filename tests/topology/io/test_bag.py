@@ -195,7 +195,8 @@ def test_topics_that_are_not_plain_are_asked_for(own, run):
     ):
         load_scene(path)
     _same(load_scene(path, depth="/b/depth", fixed=["1"], up=UP), DepthImage(look.depth, look.K, look.label))
-    with pytest.raises(InvalidInput, match="labels=/camera/camera_info is no topic of Image or Compressed"):
+    wrong = pytest.raises(InvalidInput, match="masks=/camera/camera_info is no topic of Image or Compressed")
+    with wrong, pytest.warns(DeprecationWarning, match="labels is now masks"):
         load_scene(path, depth="/b/depth", labels="/camera/camera_info")
     with pytest.raises(InvalidInput, match="info=/nothing is no topic of CameraInfo: it has "):
         load_scene(run, info="/nothing")

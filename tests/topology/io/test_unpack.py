@@ -30,8 +30,8 @@ def test_what_unpacks_to_a_lot_is_refused_before_memory_is_taken(kind, tmp_path)
     path = _written(dict(made.MADE[kind](np.zeros((ROWS, 4)))), tmp_path)
     assert sum(file.stat().st_size for file in tmp_path.iterdir()) < 16 * ROWS / 50
     before = counting._peak(anew=True)
-    with pytest.raises(InvalidInput, match=r"unpack.* to .* most_bytes=N"):
-        load_scene(path, most_bytes=ALLOWED)
+    with pytest.raises(InvalidInput, match=r"unpack.* to .* max_bytes=N"):
+        load_scene(path, max_bytes=ALLOWED)
     assert counting._peak() - before < HELD
     with pytest.raises(InvalidInput, match="labels is 0 everywhere"):  # where it is allowed, it is read
         load_scene(path)
@@ -52,7 +52,7 @@ def test_a_chunk_that_unpacks_to_more_than_it_states_is_refused(kind, tmp_path):
         parts[name] = head + false + tail
     before = counting._peak(anew=True)
     with pytest.raises(InvalidInput, match="unpacks to more than 5000 bytes, which it states"):
-        load_scene(_written(parts, tmp_path), most_bytes=ALLOWED)
+        load_scene(_written(parts, tmp_path), max_bytes=ALLOWED)
     assert counting._peak() - before < HELD
 
 
@@ -81,7 +81,7 @@ def test_what_others_read_with_rosbags_is_not_bounded(tmp_path):
     from rosbags.highlevel import AnyReader
 
     path = _written(dict(made.MADE["mcap, lz4"](np.zeros((ROWS, 4)))), tmp_path)
-    with pytest.raises(InvalidInput, match="most_bytes=N"):
-        load_scene(path, most_bytes=ALLOWED)
+    with pytest.raises(InvalidInput, match="max_bytes=N"):
+        load_scene(path, max_bytes=ALLOWED)
     with AnyReader([path]) as reader:
         assert [len(raw) > 16 * ROWS for _, _, raw in reader.messages()] == [True]

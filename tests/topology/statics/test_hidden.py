@@ -40,7 +40,7 @@ def rendered(bodies: list[tuple[Body, Spot]], cameras: int) -> Scene:
             world.add(body, pose_at(*spot), fixed=True)
         rng = np.random.default_rng(0)
         looking = [
-            Camera.looking_at(e, (0, 0, 0.03), width=320, height=240, view=VIEW) for e in EYES[:cameras]
+            Camera.looking_at(e, (0, 0, 0.03), width=320, height=240, fov=VIEW) for e in EYES[:cameras]
         ]
         images = [camera.look(world, rng) for camera in looking]
     return Scene.from_images(images, fixed=["table"], up=UP)
