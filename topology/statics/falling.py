@@ -137,19 +137,17 @@ def _falls_of_island(
     while kept is not None:
         # Within half of what is free every motion costs more than it gains.
         more = kept.find_unheld(names - falling, {*without, *falling}, FREE / 2, alone[1], wide)
-        if 2 * len(falling | more) > len(names):
-            break
         if not more:
             return alone[0] | dict.fromkeys(names - falling, Fall(0.0, 0.0))
-        tried = _sunk_alone(falling | more, bodies, contacts)
-        sinking = frozenset(name for name in more if tried[0][name] != Fall(0.0, 0.0))
-        if sinking:
-            falling, wide = falling | sinking, False
-            alone = tried if sinking == more else _sunk_alone(falling, bodies, contacts)
-        elif not wide:
-            wide = True  # others carry them, with forces that change further away
-        else:
+        if 2 * len(falling | more) <= len(names):
+            tried = _sunk_alone(falling | more, bodies, contacts)
+            if sinking := frozenset(name for name in more if tried[0][name] != Fall(0.0, 0.0)):
+                falling, wide = falling | sinking, False
+                alone = tried if sinking == more else _sunk_alone(falling, bodies, contacts)
+                continue
+        if wide:
             break
+        wide = True  # others carry them, with forces that change further away
     seated = [part for c in contacts if (part := c.only(c.gaps <= SEATED)) is not None]
     if kept is None and is_held(bodies, seated, FREE / 2, search, whole=not without):
         return dict.fromkeys(bodies, Fall(0.0, 0.0))
@@ -178,9 +176,8 @@ def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> tuple[dict[str
     bound[:, :3] = (FARTHEST * share)[:, None, None]
     bound[:, 3:] = (TURNED * share * size)[:, None, None]
     gaps = np.concatenate([np.repeat(c.gaps, CONE_EDGES) for c in near]) if near else np.zeros(count)
-    price = np.concatenate([np.maximum(gaps - SEATED, 0.0) / litres.mean(), bound.ravel()])
+    price = np.concatenate([(gaps - SEATED).clip(0.0) / litres.mean(), bound.ravel(), np.zeros(bound.size)])
     free = kron(eye_array(len(demand)), np.array([[1.0, -1.0]]))
-    price = np.concatenate([price, np.zeros(bound.size)])
     most = np.concatenate([np.full(count + bound.size, np.inf), np.full(bound.size, FREE)])
     solution = linprog(
         price,

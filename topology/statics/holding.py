@@ -10,7 +10,8 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import nnls
+from scipy.linalg import solveh_banded
+from scipy.optimize import brentq, nnls
 from scipy.sparse import csc_array
 
 from topple.topology.base.arrays import FloatArray, IntArray
@@ -22,9 +23,8 @@ from topple.topology.statics.tolerances import CONE_EDGES, STEPS
 NOTHING = 1e-9
 """Share of the weights left over that is rounding."""
 
-DAMPED = 1e-4
-"""Damping of the first step, as a share of the mean curvature, a tenth less in each, to a hundredth: without
-it the p of what is not held run away, and with all of it what is only just held takes hundreds of steps."""
+DAMPED = 1e-8
+"""Damping, as a share of the mean curvature: with more, what is only just held takes hundreds of steps."""
 
 SMALL = 1 << 15
 """Numbers in the equations of an island up to which they are solved one force at a time (0.25 MB)."""
@@ -245,53 +245,64 @@ def _least_forces(
     Returns:
         The p, the forces and (6 n,) what they leave over.
     """
-    value, forces = _forces_of(matrix, demand, duals)
+    pushes = matrix.T @ duals
+    forces = np.maximum(pushes, 0.0)
     left = demand - matrix @ forces
-    for number in range(STEPS):
+    first, last = (each.reduceat(matrix.indices, matrix.indptr[:-1]) for each in (np.minimum, np.maximum))
+    width = int((last - first).max()) + 1  # of the products of columns nothing is further from the diagonal
+    for _ in range(STEPS):
         most = np.abs(left).max()
         if most < within:
             break
-        curvature = normal_sums(matrix, len(demand), forces if forces.any() else np.ones(len(forces)))
-        damping = DAMPED * max(np.exp(-number / 10), 1 / 100) * min(1.0, most) * np.diag(curvature).mean()
-        step = np.linalg.solve(curvature + damping * np.eye(len(demand)), left)
-        gain, length = float(left @ step), 1.0
-        while length > 1e-4:
-            further, more = _forces_of(matrix, demand, duals + length * step)
-            if further >= value + 1e-4 * length * gain:
-                break
-            length /= 2
-        else:
-            break
-        before, left = left, demand - matrix @ more
-        duals, value, forces = duals + length * step, further, more
-        if np.abs(left - before).max() < 1e-3 * most:
+        curvature = normal_sums(matrix, width, forces if forces.any() else np.ones(len(forces)))
+        curvature[:, 0] += DAMPED * curvature[:, 0].mean()
+        step = solveh_banded(curvature.T, left, overwrite_ab=True, lower=True, check_finite=False)
+        gains = matrix.T @ step
+        length = _length(pushes, gains, float(demand @ step))
+        duals, pushes = duals + length * step, pushes + length * gains
+        forces, before = np.maximum(pushes, 0.0), left
+        left = demand - matrix @ forces
+        if np.abs(left - before).max() < 1e-3 * length * most:
             break  # no more forces are found
     return duals, forces, left
 
 
-def _forces_of(matrix: csc_array, demand: FloatArray, duals: FloatArray) -> tuple[float, FloatArray]:
-    """How good a p is, and the forces that belong to it."""
-    forces = np.maximum(matrix.T @ duals, 0.0)
-    return float(demand @ duals - forces @ forces / 2), forces
-
-
-def normal_sums(matrix: csc_array, height: int, weights: FloatArray) -> FloatArray:
-    """The product of some columns of a matrix with their transpose.
+def _length(pushes: FloatArray, gains: FloatArray, gain: float) -> float:
+    """Choose how much of a step to take: all, or the best where it loses at the end more than it gains first.
 
     Args:
-        matrix: (n, m) sparse, of few entries a column.
-        height: Its rows n.
+        pushes: (forces,) matrix.T @ p before it.
+        gains: (forces,) what it adds to them.
+        gain: What it adds to demand @ p.
+    """
+
+    def loss(length: float) -> float:
+        return float(np.maximum(pushes + length * gains, 0.0) @ gains) - gain
+
+    first = loss(0.0)
+    return float(brentq(loss, 0.0, 1.0, rtol=1e-3)) if first < 0.0 < loss(1.0) + first else 1.0
+
+
+def normal_sums(matrix: csc_array, width: int, weights: FloatArray) -> FloatArray:
+    """The product of some columns of a matrix with their transpose, near its diagonal.
+
+    Args:
+        matrix: (n, m) sparse, of few entries a column, whose rows rise.
+        width: How many entries of each column of the product are kept, the diagonal and those below it.
         weights: (m,) which columns count: those above 0.
 
     Returns:
-        (n, n) dense: the twin's to rounding.
+        (n, width) of each column of the product: the twin's to rounding.
     """
     compiled = kernels()
+    sums = np.zeros((matrix.shape[0], width))
     if compiled is None:
         chosen = csc_array(matrix[:, np.flatnonzero(weights > 0)])
-        return np.asarray((chosen @ chosen.T).toarray(), dtype=np.float64)
-    sums = np.zeros((height, height))
+        product = csc_array(chosen @ chosen.T)
+        for below in range(width):
+            sums[: len(sums) - below, below] = product.diagonal(-below)
+        return sums
     sparse = [np.ascontiguousarray(each, dtype=np.int32) for each in (matrix.indptr, matrix.indices)]
     dense = [np.ascontiguousarray(each, dtype=np.float64) for each in (matrix.data, weights)]
-    compiled.normal_sums(*map(address, sparse + dense), len(weights), len(sums), address(sums))
+    compiled.normal_sums(*map(address, sparse + dense), len(weights), width, address(sums))
     return sums

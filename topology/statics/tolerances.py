@@ -93,7 +93,7 @@ CARRIED = 0.01
 
 # -- holding
 
-STEPS = 100
+STEPS = 200
 """Steps in which forces on a large island are found, or not at all: mostly fifteen, up to all where a few of
 them carry all."""
 
