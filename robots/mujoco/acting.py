@@ -96,7 +96,7 @@ class MujocoArm(ActingArm):
         mujoco.mj_mulM(model, data, torques, wanted)
         torques += data.qfrc_bias - data.qfrc_passive
         most = np.array([self._efforts.get(name, np.inf) for name in self.arm.joints])
-        data.qfrc_applied[dofs] = np.clip(torques[dofs], -most, most)
+        data.ctrl[: len(most)] = np.clip(torques[dofs], -most, most)
         if self.jaw is not None:
             share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
             for name, value in self.jaw.values(self.tool_state).items():

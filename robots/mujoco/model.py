@@ -225,10 +225,10 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
             shapes.append(Shape(name, link, frame > 0, True, np.array([grip, give, 0.0])))
     if jaw is not None:
         _couple(spec, jaw.joints, jaw.joint_values)
-    for name in hand:
+    for name in (*driven, *hand):
         motor = spec.add_actuator(name=f"robot {name}", target=f"robot {name}")
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
-        motor.set_to_velocity(kv=1.0)  # no limit: a force that is cut off is not implicit, and shakes
+        motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE  # no limit: a force cut off is not implicit, and shakes
     return shapes
 
 

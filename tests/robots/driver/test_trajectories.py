@@ -1,10 +1,11 @@
-"""An arm behind a controller that follows cubic splines and lags by 20 ms does what the loop asks of it."""
+"""Arms behind controllers, one that lags by 20 ms and MuJoCo's position actuators, do what the loop asks."""
 
 import runpy
 import sys
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -26,28 +27,30 @@ from topple.robots import robot, scenario, shapes
 from topple.robots.arm.arm import Station
 from topple.robots.driver import Driver
 from topple.robots.driver.trajectories import TrajectoryDriver
+from topple.robots.engines import INSTALLED, arm_in, new_world, playing_on
 from topple.robots.scenarios.scenario import pose_at
+from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
-from topple.robots.world.wrist import TorqueNoise
 from topple.topology.base.arrays import FloatArray
 from topple.topology.base.errors import InvalidInput
 
 LAG = 0.02  # [s]
+EXAMPLES, OWN = Path(__file__).parents[3] / "examples", ("q", "opening", "sealed", "extend")
 
 
 @dataclass
 class Splines:
-    """Follows cubics through positions and velocities, late; stopped, it holds where it is."""
+    """Follows cubics through positions and velocities, late; stopped, it holds; the hand is the arm's."""
 
-    moved: SimulatedArm
+    moved: ActingArm
     spline: CubicHermiteSpline | None = None
     begun: float = 0.0
     force: float = 0.0
     sent: list[FloatArray] = field(default_factory=list)
 
-    joints = property(lambda self: self.moved.q)
+    joints, opening, sealed, extend = (property(attrgetter(f"moved.{n}")) for n in OWN)
     moving = property(lambda self: self.spline is not None)
 
     def tare(self) -> None:
@@ -73,17 +76,6 @@ class Splines:
             self.moved._advance()
             self.force = self.moved.wrist.force()
 
-
-@dataclass
-class Hand:
-    """The hand of the same arm."""
-
-    moved: SimulatedArm
-
-    opening = property(lambda self: self.moved.opening)
-    sealed = property(lambda self: self.moved.sealed)
-    extend = property(lambda self: self.moved.extend)
-
     def move(self, opening: float, force: float) -> None:
         _ = self.moved.open(opening) if opening > 0.0 else self.moved.close(force)
 
@@ -91,18 +83,20 @@ class Hand:
         _ = self.moved.suck() if on else self.moved.unseal()
 
 
-def behind_a_controller(arm: SimulatedArm) -> TrajectoryDriver:
-    return TrajectoryDriver(arm.arm, arm.pose_base_to_world, Splines(arm), Hand(arm))
+def behind_a_controller(arm: ActingArm) -> TrajectoryDriver:
+    example = runpy.run_path(str(EXAMPLES / "13_mujoco_driver.py"))
+    both = (example["Actuators"] if arm.world.engine == "mujoco" else Splines)(arm)
+    return TrajectoryDriver(arm.arm, arm.pose_base_to_world, both, both)
 
 
-@pytest.fixture
-def arm() -> Iterator[SimulatedArm]:
+@pytest.fixture(params=INSTALLED)
+def arm(request) -> Iterator[ActingArm]:
     """An arm at a table with a box on it."""
-    with World() as world:
+    with playing_on(request.param), new_world() as world:
         world.add_table()
         world.add(shapes.box("box", (0.05, 0.05, 0.1)), pose_at(0, 0, 0))
         world.settle()
-        yield SimulatedArm(world, robot("panda"), BASE, noise=TorqueNoise.none())
+        yield arm_in(world, robot("panda"), BASE)
 
 
 def test_a_transfer_goes_through_it_and_lets_go(arm):
@@ -152,7 +146,7 @@ def test_a_second_look_goes_through_it():
 
 
 def test_what_is_sent_begins_where_the_arm_is_held(arm):
-    driver, home = behind_a_controller(arm), np.asarray(arm.arm.home)
+    driver, home = TrajectoryDriver(arm.arm, BASE, Splines(arm)), np.asarray(arm.arm.home)
     driver.q_target = home + 0.01
     assert driver.follow(retime(arm.arm, np.stack([home, home + 0.1]), 0.5)) < 0.005
     (sent,) = driver.controller.sent
@@ -174,8 +168,7 @@ class Ros:
     """As much of ROS 2 as the example calls: one node, whose controller is that of the splines."""
 
     def __init__(self, splines: Splines) -> None:
-        self.splines, self.pushed = splines, False
-        self.told: dict[str, Callable[[Any], None]] = {}
+        self.splines, self.pushed, self.told = splines, False, dict[str, Callable[[Any], None]]()
         goal = SimpleNamespace(trajectory=SimpleNamespace(joint_names=[], points=[]))
         self.FollowJointTrajectory = SimpleNamespace(Goal=lambda: deepcopy(goal))
 
@@ -213,12 +206,11 @@ class Ros:
 
 
 def test_the_example_sends_trajectories_to_a_controller_of_ros(arm, monkeypatch):
-    splines, home = Splines(arm), np.asarray(arm.arm.home)
-    ros = Ros(splines)
+    ros, home = Ros(splines := Splines(arm)), np.asarray(arm.arm.home)
     messages = [f"{kind}_msgs.msg" for kind in ("sensor", "geometry", "trajectory")]
     for name in ("rclpy", "rclpy.action", "control_msgs.action", *messages):
         monkeypatch.setitem(sys.modules, name, ros)
-    example = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "12_ros_driver.py"))
+    example = runpy.run_path(str(EXAMPLES / "12_ros_driver.py"))
     controller = example["RosArm"](ros, arm.arm)
     controller.wait(0.1)
     driver = TrajectoryDriver(arm.arm, arm.pose_base_to_world, controller)
@@ -235,6 +227,6 @@ def test_the_example_sends_trajectories_to_a_controller_of_ros(arm, monkeypatch)
 def test_the_dishes_are_cleared_through_it():
     with scenario("dishes", 0) as stage:
         loop = loop_in(stage)
-        assert isinstance(loop.robot, SimulatedArm)
+        assert isinstance(loop.robot, ActingArm)
         record = replace(loop, robot=behind_a_controller(loop.robot)).run()
         assert record.success, record.violations
