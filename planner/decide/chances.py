@@ -47,8 +47,7 @@ def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
     """
     rows: list[tuple[float, ...]] = []
     for (first, then), each in asked.items():
-        upward = max(each.up or 0.0, 0.0)
-        hung, hooked, _ = _areas(asked.get((then, first)))
+        (hung, hooked, _), upward = _areas(asked.get((then, first))), max(each.up or 0.0, 0.0)
         higher = np.clip(np.array(each.ahead) / 0.05, -2.0, 2.0)
         rows.append(
             (1.0, each.meets, each.falls, *_areas(each), hung, each.unheld, upward, upward * hooked,
@@ -81,9 +80,8 @@ def chances(asked: Mapping[Pair, Disturbance], view: str) -> dict[Pair, float]:
 
 
 def _hold_each_other(a: str, b: str, asked: Mapping[Pair, Disturbance]) -> bool:
-    found, back = asked[a, b], asked.get((b, a))
-    leans = found.up is None or abs(found.up) <= RESTS
-    return leans and found.falls and back is not None and back.falls
+    leans = abs(asked[a, b].up or 0.0) <= RESTS
+    return leans and all(pair in asked and asked[pair].falls for pair in ((a, b), (b, a)))
 
 
 def seen_by(scene: Scene) -> str:
