@@ -41,7 +41,7 @@ LOOKS = (
 )  # fmt: skip
 """Cameras, whether their pictures are known, and how masks are off: exact, and as segmentations give them."""
 
-FOR = (1, 1, 1, 1, -1, 1, 1, 1, -1, 1, 1, 1)
+FOR = (1, 1, 1, 1, 1, -1, 1, 1, 1, -1, 1, 1, 1)
 """Whether each sign but "always" speaks for a dependency or against: by chance none may do the contrary."""
 
 Counted = tuple[FloatArray, FloatArray]

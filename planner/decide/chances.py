@@ -22,19 +22,18 @@ from topple.planner.decide.tolerances import HOLD_EACH_OTHER, RESTS
 from topple.topology.base.arrays import FloatArray
 from topple.topology.scene.scene import Scene
 from topple.topology.sixim.confidence import view_of
-from topple.topology.statics.sweep import Overlap
 from topple.topology.views.tolerances import OFF_BORDERS
 
 SIGNS = (
-    "always", "meets", "falls", "hangs over", "seen over", "hung over", "unheld", "upward", "hooked", "depth",
-    "bottom", "top", "tilted"
+    "always", "meets", "falls", "hangs over", "seen over", "seen broadly", "hung over", "unheld", "upward",
+    "hooked", "depth", "bottom", "top", "tilted"
 )  # fmt: skip
 """What is weighed of a pair: 1; what the two questions say; the logarithms of the areas in plan by which the
-one hangs over the other, with hidden sides and as seen, and by which the other hangs over it, in cm² and one
-more; the share of its weight that nothing carries without the other; how much the contact's normal points
-upward, and that times the logarithm of the area by which the other is seen to hang over it; by how many
-times 2 cm they lie in each other, up to 1.5; by how many times 5 cm bottom and top are higher, up to 2; how
-much of it was seen in a face that is neither level nor upright."""
+one hangs over the other, with hidden sides where it is broad, as seen, and as seen where it is broad, and by
+which the other hangs over it, in cm² and one more; the share of its weight that nothing carries without the
+other; how much the contact's normal points upward, and that times the logarithm of the area by which the
+other is seen to hang over it; by how many times 2 cm they lie in each other, up to 1.5; by how many times 5
+cm bottom and top are higher, up to 2; how much of it was seen in a face neither level nor upright."""
 
 
 def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
@@ -48,18 +47,20 @@ def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
     """
     rows: list[tuple[float, ...]] = []
     for (first, then), each in asked.items():
-        upward, back = max(each.up or 0.0, 0.0), asked.get((then, first))
-        over, seen = (_area(back.over), _area(back.seen)) if back else (0.0, 0.0)
+        (hung, hooked, _), upward = _areas(asked.get((then, first))), max(each.up or 0.0, 0.0)
         higher = np.clip(np.array(each.ahead) / 0.05, -2.0, 2.0)
         rows.append(
-            (1.0, each.meets, each.falls, _area(each.over), _area(each.seen), over, each.unheld, upward,
-             upward * seen, min(each.depth / 0.02, 1.5), *higher, each.tilted)
+            (1.0, each.meets, each.falls, *_areas(each), hung, each.unheld, upward, upward * hooked,
+             min(each.depth / 0.02, 1.5), *higher, each.tilted)
         )  # fmt: skip
     return np.array(rows, dtype=float).reshape(-1, len(SIGNS))
 
 
-def _area(over: Overlap | None) -> float:
-    return 0.0 if over is None else float(np.log1p(over.area / 1e-4))
+def _areas(found: Disturbance | None) -> list[float]:
+    """By what areas a thing hangs over another, as `SIGNS` have them."""
+    over, seen = (found and found.over), (found and found.seen)
+    areas = (over and over.broad, seen and seen.area, seen and seen.broad)
+    return [float(np.log1p((area or 0.0) / 1e-4)) for area in areas]
 
 
 def chances(asked: Mapping[Pair, Disturbance], view: str) -> dict[Pair, float]:
@@ -79,9 +80,8 @@ def chances(asked: Mapping[Pair, Disturbance], view: str) -> dict[Pair, float]:
 
 
 def _hold_each_other(a: str, b: str, asked: Mapping[Pair, Disturbance]) -> bool:
-    found, back = asked[a, b], asked.get((b, a))
-    leans = found.up is None or abs(found.up) <= RESTS
-    return leans and found.falls and back is not None and back.falls
+    leans = abs(asked[a, b].up or 0.0) <= RESTS
+    return leans and all(pair in asked and asked[pair].falls for pair in ((a, b), (b, a)))
 
 
 def seen_by(scene: Scene) -> str:

@@ -6,7 +6,7 @@ Along another way out the same is asked of points in axes whose third is that wa
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter
+from scipy.ndimage import binary_opening, maximum_filter
 
 from topple.topology.base.arrays import FloatArray, IntArray, bounds
 from topple.topology.base.remembered import remember
@@ -25,11 +25,14 @@ class Overlap:
         evasion: How far [m] the upper object must be pushed sideways before it hangs over nothing
             of the other: what a lift would push it by, at least.
         area: Overlapping area in plan view [m²].
+        broad: Of it what is two cells wide or more: of two that stand side by side the cells between them
+            hold points of both.
         places: (k, 3) some upright places [m] of the upper surface where it does.
     """
 
     evasion: float
     area: float
+    broad: float
     places: FloatArray
 
 
@@ -51,8 +54,7 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
         return None
     size = np.ceil((high - low) / SWEEP_CELL).astype(np.int64) + 1
     ceiling = heights_over(upper, low, SWEEP_CELL, size, highest=True)
-    ground = heights_over(lower, low, SWEEP_CELL, size, highest=False)
-    height = ceiling - ground
+    height = ceiling - heights_over(lower, low, SWEEP_CELL, size, highest=False)
     # Where the lifted one reaches higher, it is the one on top: solids do not pass through each other.
     # The neighbouring cells count, since a sampled surface leaves some cells without a point.
     on_top = ceiling > maximum_filter(heights_over(lower, low, SWEEP_CELL, size, highest=True), size=3)
@@ -66,9 +68,9 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     reach = (below @ DIRECTIONS.T).max(axis=0) - (spots @ DIRECTIONS.T).min(axis=0)
     if (evasion := float(reach.min())) <= 0.0:
         return None
-    some = slice(None, None, len(cells) // PLACES + 1)
-    places = np.column_stack([spots, ceiling[above]])[some]
-    return Overlap(evasion, area=len(cells) * SWEEP_CELL**2, places=places)
+    places = np.column_stack([spots, ceiling[above]])[:: len(cells) // PLACES + 1]
+    broad = binary_opening(above, np.ones((2, 2)))
+    return Overlap(evasion, len(cells) * SWEEP_CELL**2, int(broad.sum()) * SWEEP_CELL**2, places)
 
 
 @remember(KEPT_PAIRS)

@@ -13,7 +13,7 @@ from topple.planner.decide.dependency import edges_of
 from topple.planner.decide.disturbance import Disturbance
 from topple.topology.statics.sweep import Overlap
 
-HANGS = Overlap(evasion=0.03, area=0.002, places=np.zeros((1, 3)))
+HANGS = Overlap(evasion=0.03, area=0.002, broad=0.002, places=np.zeros((1, 3)))
 FOUND = Disturbance(over=HANGS, seen=HANGS, unheld=0.5, up=0.5, depth=0.0)
 
 
