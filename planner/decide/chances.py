@@ -58,9 +58,9 @@ def signs(asked: Mapping[Pair, Disturbance]) -> FloatArray:
 
 def _areas(found: Disturbance | None) -> list[float]:
     """By what areas a thing hangs over another, as `SIGNS` have them."""
-    over, seen = (found and found.over), (found and found.seen)
-    areas = (over and over.broad, seen and seen.area, seen and seen.broad)
-    return [float(np.log1p((area or 0.0) / 1e-4)) for area in areas]
+    over, seen = (None, None) if found is None else (found.over, found.seen)
+    areas = (over.broad if over else 0.0, seen.area if seen else 0.0, seen.broad if seen else 0.0)
+    return [float(np.log1p(area / 1e-4)) for area in areas]
 
 
 def chances(asked: Mapping[Pair, Disturbance], view: str) -> dict[Pair, float]:

@@ -65,7 +65,7 @@ def test_every_view_has_its_weights():
 
 def test_the_fit_finds_the_weights_that_labels_were_drawn_with():
     rng = np.random.default_rng(0)
-    true = np.array([-3.0, 0.8, 1.5, 0.5, 0.4, -1.0, 0.3, 0.6, 0.5, -0.7, 0.2, 0.4, 0.6])
+    true = np.array([-3.0, 0.8, 1.5, 0.5, 0.4, 0.3, -1.0, 0.3, 0.6, 0.5, -0.7, 0.2, 0.4, 0.6])
     signs = np.column_stack([np.ones(40_000), rng.uniform(0, 2, (40_000, len(SIGNS) - 1))])
     labels = (rng.random(len(signs)) < expit(signs @ true)).astype(float)
     found = fitted([(signs[:9000], labels[:9000]), (signs[9000:], labels[9000:])])

@@ -17,9 +17,9 @@ def slab(x: float, z: float, size: float = 0.1) -> np.ndarray:
 
 
 def test_what_hangs_over_must_be_pushed_aside_by_its_overhang():
-    found = overlap(slab(0.06, 0.1), slab(0.0, 0.0))
-    assert found is not None
-    assert found.evasion == pytest.approx(0.04, abs=0.006)
+    found, thin = overlap(slab(0.06, 0.1), slab(0.0, 0.0)), overlap(slab(0.05, 0.1, 0.004), slab(0.0, 0.0))
+    assert found is not None and found.evasion == pytest.approx(0.04, abs=0.006) and found.broad > 0.002
+    assert thin is not None and thin.broad == 0.0 < thin.area
 
 
 def test_above_is_not_below_and_beside_is_neither():
