@@ -151,8 +151,7 @@ CHANGES = (
     Change(
         "a name and a local variable", _SWEEP,
         "    ceiling = heights_over(upper, low, SWEEP_CELL, size, highest=True)\n"
-        "    ground = heights_over(lower, low, SWEEP_CELL, size, highest=False)\n"
-        "    height = ceiling - ground",
+        "    height = ceiling - heights_over(lower, low, SWEEP_CELL, size, highest=False)",
         "    floor = heights_over(lower, low, SWEEP_CELL, size, highest=False)\n"
         "    ceiling = heights_over(upper, low, SWEEP_CELL, size, highest=True)\n"
         "    height = -(floor - ceiling)",
@@ -160,7 +159,7 @@ CHANGES = (
     ),
     Change(
         "an area the other way round", _SWEEP,
-        "area=len(cells) * SWEEP_CELL**2", "area=SWEEP_CELL * (SWEEP_CELL * len(cells))",
+        "evasion, len(cells) * SWEEP_CELL**2", "evasion, SWEEP_CELL * (SWEEP_CELL * len(cells))",
         fault=False,
     ),
     Change(
