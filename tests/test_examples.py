@@ -31,7 +31,8 @@ def test_every_example_is_tested_and_short():
     assert all(f'_output(tmp_path, "{script}"' in tested for script in SCRIPTS) and len(SCRIPTS) == 13
     assert tuple(re.findall(r"^\| `(\w+\.py)` \|", PAGE, re.MULTILINE)) == SCRIPTS
     for script in SCRIPTS:
-        assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 90, script
+        most = 90 if "mujoco" in script else 60  # two protocols are written there
+        assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < most, script
 
 
 def test_examples_name_no_engine_but_those_that_need_it():

@@ -1,5 +1,6 @@
 """Array types of the package, and the read-only copies its frozen types hand out."""
 
+from collections.abc import Iterable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -10,6 +11,8 @@ from topple.topology.base.tolerances import DECIMALS
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+Bodies = Iterable[FloatArray]
+"""Corners (V, 3) of each of some convex bodies [m]."""
 
 AnyArray = TypeVar("AnyArray", FloatArray, IntArray)
 

@@ -9,13 +9,14 @@ from typing import Annotated, Any, Protocol
 from numpy.typing import ArrayLike
 
 from topple.topology.base.arguments import checked_arguments
+from topple.topology.base.arrays import Bodies
 from topple.topology.base.checks import Names, as_direction, as_names
 from topple.topology.base.errors import InvalidInput
 from topple.topology.base.plugins import Table, check_kind
 from topple.topology.base.public_names import with_new_names
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.limits import allow
-from topple.topology.scene.scene import Bodies, Scene
+from topple.topology.scene.scene import Scene
 
 
 class Reader(Protocol):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.base.arguments import checked_arguments
-from topple.topology.base.arrays import FloatArray, freeze
+from topple.topology.base.arrays import Bodies, FloatArray, freeze
 from topple.topology.base.checks import (
     Names,
     as_clouds,
@@ -36,9 +36,6 @@ from topple.topology.scene.write import write_clouds
 from topple.topology.views.agreement import check_views
 from topple.topology.views.image import DepthImage, check_depth, said_of_images
 from topple.topology.views.wrong_masks import WrongMask, wrong_masks
-
-Bodies = Iterable[FloatArray]
-"""Corners (V, 3) of each of some convex bodies [m]."""
 
 
 @checked_arguments
@@ -198,10 +195,8 @@ class Scene(ByValue):
             up: Direction (3,) against gravity; None takes it from the plane of a fixed object.
             table: "auto" finds the table where nothing is fixed: an object named so, else the plane under
                 the objects among the pixels without a label, which becomes the fixed object "table".
-            unnamed: Whether masks that are wrong in kind are said, and what no mask names becomes objects and
-                matter (`examined`).
-            robot_bodies: Corners (V, 3) [m] of bodies whose points are left out of that: a robot in its own
-                picture, `arm.bodies(q, pose_base_to_world)`.
+            unnamed: Whether wrong masks are said, and what no mask names becomes objects and matter.
+            robot_bodies: Corners (V, 3) [m] of bodies left out of that: `arm.bodies(q, pose_base_to_world)`.
 
         Returns:
             The scene in world coordinates. An object of which hardly a point was seen is left out,
